@@ -9,11 +9,14 @@ from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
 
+from oodscen._text import one_line
 from oodscen.driving._roads.building import read_map
 from oodscen.errors import MissingExtra, SimulatorError
 
-OPTIONS = ("--offset.disable-normalization", "true")
-"""Places keep the file's coordinates."""
+_OPTIONS = ("--offset.disable-normalization", "true")
+"""netconvert's options: coordinates stay as in the file."""
+_TIMEOUT_S = 600.0
+"""Time after which netconvert is ended, s."""
 
 
 def load_sumo() -> tuple[Any, str]:
@@ -21,13 +24,16 @@ def load_sumo() -> tuple[Any, str]:
 
     Raises:
         MissingExtra: If one of them is not installed.
+        SimulatorError: If one of them cannot be loaded.
     """
     try:
         with contextlib.redirect_stdout(io.StringIO()):  # It prints about versions of pyarrow.
             import libsumo
             import sumo
     except ModuleNotFoundError as error:
-        raise MissingExtra("the SUMO simulator", "sumo", f"{error.name}") from None
+        raise MissingExtra("the SUMO simulator", "sumo", str(error.name)) from None
+    except ImportError as error:
+        raise SimulatorError(f"sumo: libsumo cannot be loaded: {one_line(str(error))}") from None
     return libsumo, f"{sumo.SUMO_HOME}/bin"
 
 
@@ -45,15 +51,25 @@ class Networks:
         """Return the network of an OpenDRIVE file, named as in `RoadMap.file`.
 
         Raises:
-            SimulatorError: If netconvert fails.
+            SimulatorError: If netconvert cannot be started, fails, or takes too long.
         """
         if file not in self._files:
             made = Path(self._folder) / f"{len(self._files)}.net.xml"
-            made.with_suffix(".xodr").write_bytes(read_map(file))
-            options = ["--opendrive-files", made.with_suffix(".xodr"), "-o", made, *OPTIONS]
-            command = list(map(str, [self._netconvert, *options]))
-            done = subprocess.run(command, capture_output=True, text=True, check=False)
-            if done.returncode or not made.is_file():
-                raise SimulatorError(f"sumo: netconvert refuses {file}: {done.stderr[-500:]}")
+            self._convert(file, made)
             self._files[file] = made
         return self._files[file]
+
+    def _convert(self, file: str, made: Path) -> None:
+        source = made.with_suffix(".xodr")
+        source.write_bytes(read_map(file))
+        command = [self._netconvert, "--opendrive-files", str(source), "-o", str(made), *_OPTIONS]
+        try:
+            done = subprocess.run(command, capture_output=True, check=False, timeout=_TIMEOUT_S)
+        except OSError as error:
+            raise SimulatorError(f"sumo: netconvert cannot be started: {error}") from None
+        except subprocess.TimeoutExpired:
+            message = f"sumo: netconvert has not ended after {_TIMEOUT_S:g} s with {file}"
+            raise SimulatorError(message) from None
+        if done.returncode or not made.is_file():
+            said = one_line(done.stderr.decode("utf-8", "replace"))
+            raise SimulatorError(f"sumo: netconvert refuses {file}: {said[-500:]}")

@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, NamedTuple, TypeVar
 
 from oodscen._files import read_bytes
@@ -16,7 +17,7 @@ from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._verdict import Verdict
 from oodscen.errors import DataError, OodscenError
-from oodscen.judging._drive_board import current_results
+from oodscen.judging._drive_board import DriveBoard, current_results, drive_board
 from oodscen.judging._shortcuts.audit import Audit
 from oodscen.metrics._measurements import Measurements
 from oodscen.stages._making.making import MadeProp
@@ -84,6 +85,12 @@ class Material:
     def config(self) -> Mapping[str, Any]:
         """The configuration as it was written; empty if there is none."""
         return mapping(self.info.get("config"))
+
+    @cached_property
+    def drive_board(self) -> DriveBoard:
+        """The results of all drives, by driver."""
+        seed = self.config.get("seed")
+        return drive_board(self.drives, self.scenarios, seed=seed if isinstance(seed, int) else 0)
 
 
 def read(study: Study) -> Material:

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-from oodscen.judging._drive_board import drive_board
 from oodscen.judging._leaderboard.board import Leaderboard
 from oodscen.judging._rates_in_words import percent
 from oodscen.report._load import Material
@@ -33,11 +32,8 @@ def opening(found: Material, board: Leaderboard) -> Opening:
     if has_models:
         sentences = board.sentences()
     elif found.drives:
-        seed = found.config.get("seed")
-        drives = drive_board(
-            found.drives, found.scenarios, seed=seed if isinstance(seed, int) else 0
-        )
-        sentences = [*drives.sentences(), f"Brackets hold {percent(board.level)} intervals."]
+        drives = found.drive_board.sentences()
+        sentences = [*drives, f"Brackets hold {percent(board.level)} intervals."]
     elif is_top_view:
         sentences = [
             f"These scenes are for driving stacks: {found.config.get('simulator')} draws views from above only, about "

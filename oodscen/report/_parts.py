@@ -1,15 +1,15 @@
-"""Further parts of the page: the data of each, for the template of the same name in `templates/parts`."""
+"""Data of the parts of the page that have templates of their own, in `templates/parts`."""
 
 from collections.abc import Mapping
 from typing import Any
 
 from oodscen.data._sighting import TO_NAME
-from oodscen.judging._drive_board import drive_board
 from oodscen.report._charts.rounds import saturation_chart
 from oodscen.report._charts.scores import intervals
 from oodscen.report._load import Material
 from oodscen.stages._prune.restoration import restoration, restoration_rows
 from oodscen.stages._redteam.saturation import saturation
+from oodscen.statistics._intervals import Interval
 from oodscen.study._study import Study
 from oodscen.tree._coverage import LACKS, coverage
 
@@ -24,15 +24,7 @@ def shortcuts(study: Study, found: Material) -> Variables | None:
     if found.audit is None:
         return None
     rows = [
-        (
-            row.name,
-            value,
-            *(
-                (interval.low, interval.high)
-                if (interval := row.balanced_accuracy.interval)
-                else (value, value)
-            ),
-        )
+        (row.name, value, *_bounds(row.balanced_accuracy.interval, value))
         for row in found.audit.rows
         if (value := row.balanced_accuracy.value) is not None and row.needs != "outcomes"
     ]
@@ -43,12 +35,16 @@ def shortcuts(study: Study, found: Material) -> Variables | None:
     }
 
 
+def _bounds(interval: Interval | None, value: float) -> tuple[float, float]:
+    """Return the ends of an interval; the value twice if there is none."""
+    return (interval.low, interval.high) if interval else (value, value)
+
+
 def driving(study: Study, found: Material) -> Variables | None:
     """Return the results of `oodscen drive`, one row per driver for scenes and one for twins."""
     if not found.drives:
         return None
-    seed = found.config.get("seed")
-    board = drive_board(found.drives, found.scenarios, seed=seed if isinstance(seed, int) else 0)
+    board = found.drive_board
     return {
         "rows": board.rows,
         "remarks": board.remarks(),
@@ -89,9 +85,9 @@ def undecided(study: Study, found: Material) -> Variables | None:
 def _tried(line: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
     """Return the attempted fixes by the reason why they failed, the most frequent reason first."""
     by_why: dict[str, list[str]] = {}
-    for one in line.get("tried") or ():
-        if isinstance(one, Mapping):
-            by_why.setdefault(str(one.get("why", "")), []).append(str(one.get("how", "")))
+    for fix in line.get("tried") or ():
+        if isinstance(fix, Mapping):
+            by_why.setdefault(str(fix.get("why", "")), []).append(str(fix.get("how", "")))
     return sorted(by_why.items(), key=lambda item: -len(item[1]))
 
 
@@ -105,7 +101,7 @@ def saturated(study: Study, found: Material) -> Variables | None:
 
 
 def restored(study: Study, found: Material) -> Variables | None:
-    """Return the single additions to the catalogue, by the number of pruned paths each restores."""
+    """Return the additions to the catalogue that restore pruned paths on their own, the most first."""
     ranking = restoration(found.decisions)
     labels = {
         decision.id: decision.path[-1] if decision.path else decision.id

@@ -8,7 +8,9 @@ from oodscen.data._additions import Addition
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._scenario import Scenario
+from oodscen.report._leaderboard import board
 from oodscen.report._load import Material
+from oodscen.report._opening import opening
 from oodscen.report._parts import covered, driving, restored, undecided
 from oodscen.report._render import render_part
 from oodscen.report._sections import RenderedPart
@@ -122,6 +124,14 @@ def test_a_mean_over_some_of_the_drives_says_over_how_many(tmp_path):
     ]
     row = page_of("driving", driving(Study(tmp_path), Material(drives=drives))).xpath(".//tr")[1]
     assert " ".join(row.itertext()).count("in 1") == 1
+
+
+def test_the_opening_and_the_part_share_one_board(tmp_path):
+    found = Material(drives=[result("mine", "leaf-1", passed=True, progress=0.9)])
+    opened = opening(found, board(found))
+    rows = driving(Study(tmp_path), found)["rows"]
+    assert rows is found.drive_board.rows
+    assert opened.sentences[:-1] == tuple(found.drive_board.sentences())
 
 
 def test_without_drives_there_is_no_part(tmp_path):

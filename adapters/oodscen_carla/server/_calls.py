@@ -1,5 +1,6 @@
 """The remote procedures of CARLA 0.9.16 that this server answers; all others are refused by name."""
 
+import inspect
 from collections.abc import Callable
 from typing import Any
 
@@ -20,19 +21,25 @@ VERSION = "0.9.16"
 """The version of CARLA whose protocol the server speaks."""
 
 WITHOUT_EFFECT = frozenset(
-    "apply_physics_control disable_sensor_for_ros draw_debug_shape enable_environment_objects "
-    "enable_sensor_for_ros freeze_all_traffic_lights reset_all_traffic_lights set_actor_autopilot "
-    "set_actor_collisions set_actor_dead set_actor_enable_gravity "
-    "set_annotations_traverse_translucency set_pedestrians_cross_factor set_pedestrians_seed "
-    "set_replayer_time_factor set_wheel_steer_direction show_vehicle_debug_telemetry "
-    "update_day_night_cycle update_lights_state".split()
+    """
+    apply_physics_control disable_sensor_for_ros draw_debug_shape enable_environment_objects
+    enable_sensor_for_ros freeze_all_traffic_lights reset_all_traffic_lights set_actor_autopilot
+    set_actor_collisions set_actor_dead set_actor_enable_gravity
+    set_annotations_traverse_translucency set_pedestrians_cross_factor set_pedestrians_seed
+    set_replayer_time_factor set_wheel_steer_direction show_vehicle_debug_telemetry
+    update_day_night_cycle update_lights_state
+    """.split()
 )
 """Calls that are accepted and change nothing."""
 EMPTY = frozenset(
-    "cast_ray get_all_level_BBs get_environment_objects get_group_traffic_lights get_light_boxes "
-    "get_names_of_all_objects get_required_files query_lights_state".split()
+    """
+    cast_ray get_all_level_BBs get_environment_objects get_group_traffic_lights get_light_boxes
+    get_names_of_all_objects get_required_files query_lights_state
+    """.split()
 )
-"""Calls whose answer is an empty list, because the served world has none of these things."""
+"""Calls whose answer is an empty list: the served world has none of these things, or does not compute them."""
+_ROAD_TAG = 1
+"""CARLA's semantic tag of roads."""
 
 
 class Calls:
@@ -73,7 +80,7 @@ class Calls:
                 raise CallError(f"{method[:80]!r} is not supported by this server (oodscen)")
         except (CallError, OodscenError) as error:
             self._log(f"refused {method}: {error}")
-            return failed(str(error))
+            return refused(method, arguments, str(error))
         if method == "apply_batch":
             return value
         return [[False]] if value is None else [[1, value]]
@@ -85,10 +92,10 @@ class Calls:
             CallError: If the arguments do not fit.
         """
         function = getattr(self, f"rpc_{method}")
-        most = function.__code__.co_argcount - 1
-        least = most - len(function.__defaults__ or ())
-        if not least <= len(arguments) <= most:
-            raise CallError(f"{method} takes {most} arguments, not {len(arguments)}")
+        try:
+            inspect.signature(function).bind(*arguments)
+        except TypeError as error:
+            raise CallError(f"{method}: {error}") from None
         return function(*arguments)
 
     # ------------------------------------------------------------------ server and episode
@@ -169,7 +176,11 @@ class Calls:
         return self._row(self.spawn(what, place, parent))
 
     def spawn(self, what: Any, place: Any, parent: Any) -> ServerActor:
-        """Add an actor from the values of a call."""
+        """Add an actor from the values of a call.
+
+        Raises:
+            CallError: If they are none, or there is no room for it.
+        """
         described = read.description(what)
         if described.type_id in CAMERAS:
             camera_of({name: value for name, _, value in described.attributes})
@@ -202,9 +213,19 @@ class Calls:
             raise CallError(f"unable to {doing}: actor {number} not found")
         return actor
 
-    def _own(self, number: Any, doing: str) -> ServerActor:
+    def _own(self, number: Any, doing: str, *, or_ego: bool = False) -> ServerActor:
+        """Return an actor that the staged scene does not move.
+
+        Args:
+            number: Its id.
+            doing: The purpose, for the message.
+            or_ego: True if the scene's ego will do, too.
+
+        Raises:
+            CallError: If there is none, or the scene moves it.
+        """
         actor = self.find(number, doing)
-        if actor.staged:
+        if actor.staged and not (or_ego and actor.staged == "ego"):
             raise CallError(f"unable to {doing}: actor {actor.id} is moved by the staged scene")
         return actor
 
@@ -226,12 +247,12 @@ class Calls:
             actor.stop()
 
     def rpc_set_actor_target_velocity(self, number: Any, velocity: Any) -> None:
-        given, actor = read.vector(velocity), self.find(number, "set target velocity")
+        given = read.vector(velocity)
+        actor = self._own(number, "set target velocity", or_ego=self._world.staged is not None)
         ahead = rotated(given, -actor.place.rotation[1])[0]
-        if actor.staged == "ego" and self._world.staged is not None:
+        if actor.staged and self._world.staged is not None:
             self._world.staged.world.alter(speed=ahead)
             return
-        actor = self._own(number, "set target velocity")
         actor.velocity = given
         dt = self._world.step
         actor.acceleration_along = (ahead - actor.speed) / dt if not actor.has_physics else 0.0
@@ -247,13 +268,9 @@ class Calls:
         self._own(number, "disable constant velocity").constant_velocity = None
 
     def rpc_apply_control_to_vehicle(self, number: Any, control: Any) -> None:
-        throttle, steer, brake, hand, reverse, manual, gear, *_ = [
-            *read.items(control, "a vehicle's control", longest=16),
-            *[0] * 7,
-        ][:7]
-        actor = self.find(number, "apply control")
-        if actor.staged not in ("", "ego"):
-            self._own(number, "apply control")
+        values = read.items(control, "a vehicle's control", 7)
+        throttle, steer, brake, hand, reverse, manual, gear = values
+        actor = _vehicle(self._own(number, "apply control", or_ego=True), "apply control")
         actor.control = VehicleControl(
             _share(throttle, 0.0),
             _share(steer, -1.0),
@@ -270,8 +287,10 @@ class Calls:
         self._own(number, "apply control").walk = walk
 
     def rpc_set_vehicle_light_state(self, number: Any, state: Any) -> None:
+        # A call sends a list of one number, and a command of a batch the number itself.
         value = state[0] if isinstance(state, list) and state else state
-        self.find(number, "set light state").lights = read.whole(value, "a light state")
+        actor = _vehicle(self.find(number, "set light state"), "set light state")
+        actor.lights = read.whole(value, "a light state")
 
     def rpc_get_vehicle_light_state(self, number: Any) -> list[int]:
         return [self.find(number, "get light state").lights]
@@ -289,13 +308,13 @@ class Calls:
         reach = read.number(distance)
         found = self._world.map.ground(x, -y)
         if read.vector(direction)[2] < -0.9 and found is not None and 0.0 <= z - found[0] <= reach:
-            road_tag = 1
-            return [True, [[x, y, found[0]], road_tag]]
+            return [True, [[x, y, found[0]], _ROAD_TAG]]
         return [False, [list(ZERO), 0]]
 
     def rpc_apply_batch(self, commands: Any, ticks: Any) -> list[Any]:
+        is_ticking = read.flag(ticks)
         answers = run_batch(self, commands)
-        if read.flag(ticks):
+        if is_ticking:
             self._tick()
         return answers
 
@@ -314,9 +333,30 @@ class Calls:
         return True
 
 
-def failed(message: str) -> list[Any]:
-    """Return the response to a call that failed."""
-    return [[0, [message]]]
+def refused(method: str, arguments: list[Any], message: str) -> list[Any]:
+    """Return the response to a call that failed; that to a batch has one for each command.
+
+    Args:
+        method: Name of the procedure.
+        arguments: Its arguments; the first is the client's metadata.
+        message: The reason.
+    """
+    response = [[0, [message]]]
+    if method != "apply_batch":
+        return response
+    commands = arguments[1] if len(arguments) > 1 else None
+    return [response] * (len(commands) if isinstance(commands, list) and commands else 1)
+
+
+def _vehicle(actor: ServerActor, doing: str) -> ServerActor:
+    """Return an actor that is a vehicle.
+
+    Raises:
+        CallError: If it is none.
+    """
+    if not actor.is_vehicle:
+        raise CallError(f"unable to {doing}: actor {actor.id} is no vehicle")
+    return actor
 
 
 def _share(value: Any, least: float) -> float:

@@ -13,7 +13,7 @@ from typing import Any
 import msgpack
 
 from oodscen.errors import UsageError
-from oodscen_carla.server._calls import Calls, failed
+from oodscen_carla.server._calls import Calls, refused
 from oodscen_carla.server._cameras import CameraRenderer
 from oodscen_carla.server._faults import Faults
 from oodscen_carla.server._messages import MemoryPool, MessageReader, ProtocolError
@@ -175,7 +175,7 @@ class Listener:
             self._streams.host = connection.getsockname()[0]
             self._fault = fault
             if fault == "refuse":
-                answer: Any = failed(f"{method} was refused on demand")
+                answer: Any = refused(method, arguments, f"{method} was refused on demand")
             else:
                 answer = self._answer(method, arguments)
             packed = msgpack.packb([1, message[1], None, answer]) if message[0] == 0 else b""
@@ -192,7 +192,8 @@ class Listener:
             return self._calls.answer(method, arguments)
         except Exception as error:
             traceback.print_exc(file=sys.stderr)
-            return failed(f"the server failed in {method}: {type(error).__name__}")
+            message = f"the server failed in {method}: {type(error).__name__}"
+            return refused(method, arguments, message)
 
     def _serve_stream(self, connection: socket.socket) -> None:
         limit_sends(connection)

@@ -68,7 +68,7 @@ class Ground:
         weight, height = np.zeros(count), np.zeros(count)
         s, t, ego = np.zeros(count), np.zeros(count), np.zeros(count)
         for way, bounds in zip(self.ways, self._bounds, strict=True):
-            rows = np.arange(count) if way.is_ego else np.flatnonzero(bounds.contain(x, y))
+            rows = np.arange(count) if way.is_ego else np.flatnonzero(bounds.contains(x, y))
             if len(rows) == 0:
                 continue
             along, across = way.course.locate(x[rows], y[rows])

@@ -13,11 +13,10 @@ from oodscen_pybullet._land.ribbons import (
     PAINT,
     Ribbons,
     spanned_pieces,
-    strip_edges,
     whole_pieces,
 )
 from oodscen_pybullet._land.theme import Theme
-from oodscen_pybullet._land.ways import Way
+from oodscen_pybullet._land.ways import Way, strip_edges
 from oodscen_pybullet._types import Array, Mask
 
 _PAINTED = ("solid", "broken")

@@ -4,14 +4,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from oodscen.driving._roads.corridor import Corridor, LaneStrip
+from oodscen.driving._roads.corridor import Corridor
 from oodscen_pybullet._land.course import RoadCourse
 from oodscen_pybullet._land.ways import Way
 from oodscen_pybullet._meshes.atlas import region_uv, swatch_uv
 from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._types import Array, Mask
 
-Edges = tuple[Array | float, Array | float]
+EdgeHeights = tuple[Array | float, Array | float]
 """Heights of the right and the left edge of a band above the road, m."""
 LAYER = 0.004
 """Height between stacked layers of the road, m."""
@@ -38,7 +38,7 @@ class Ribbons:
         left: Array | float,
         colour: str,
         *,
-        heights: Edges = (0.0, 0.0),
+        heights: EdgeHeights = (0.0, 0.0),
         where: Mask | None = None,
     ) -> None:
         """Add a band of one colour between two lateral offsets.
@@ -58,7 +58,7 @@ class Ribbons:
         left: Array | float,
         region: str,
         *,
-        heights: Edges = (0.0, 0.0),
+        heights: EdgeHeights = (0.0, 0.0),
         where: Mask | None = None,
     ) -> None:
         """Add a band that repeats a region of the atlas on every piece; as `band` otherwise."""
@@ -69,7 +69,7 @@ class Ribbons:
         right: Array | float,
         left: Array | float,
         uv: Array,
-        heights: Edges,
+        heights: EdgeHeights,
         where: Mask | None,
     ) -> None:
         a, b = self.course.points(right, heights[0]), self.course.points(left, heights[1])
@@ -93,7 +93,7 @@ class Ribbons:
         self._normals.append(np.repeat(normal[keep], 6, axis=0))
 
     def patch(self, points: Sequence[Sequence[float]] | Array, colour: str) -> None:
-        """Add a flat convex polygon, counter-clockwise seen from above."""
+        """Add a convex polygon, counter-clockwise seen from above, and shade it as if it were level."""
         corners = np.asarray(points, np.float64)
         for index in range(1, len(corners) - 1):
             three = corners[[0, index, index + 1]]
@@ -110,21 +110,13 @@ class Ribbons:
         )
 
 
-def strip_edges(corridor: Corridor, course: RoadCourse, strip: LaneStrip) -> tuple[Array, Array]:
-    """Return t of the right and left edges of a strip along a course."""
-    return (
-        np.interp(course.s, corridor.s, strip.right),
-        np.interp(course.s, corridor.s, strip.left),
-    )
-
-
 def whole_pieces(samples: Mask) -> Mask:
-    """Return the pieces that satisfy a condition at both ends."""
+    """Return which pieces satisfy a condition at both ends."""
     return np.asarray(samples[1:] & samples[:-1])
 
 
 def spanned_pieces(way: Way, *kinds: str) -> Mask:
-    """Return which pieces of a course lie in tunnels or on bridges, by the kinds of the structures."""
+    """Return which pieces of a course have their middles within structures of the given kinds."""
     middles = way.course.middles
     found = np.zeros(len(middles), bool)
     for structure in way.corridor.structures:

@@ -16,11 +16,10 @@ from oodscen_pybullet._land.ribbons import (
     Ribbons,
     add_slab,
     spanned_pieces,
-    strip_edges,
     whole_pieces,
 )
 from oodscen_pybullet._land.theme import Theme
-from oodscen_pybullet._land.ways import Way
+from oodscen_pybullet._land.ways import Way, strip_edges
 from oodscen_pybullet._meshes.atlas import swatch_uv
 from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._meshes.shapes import upright

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from oodscen.driving._roads.corridor import DRIVABLE, Corridor
+from oodscen.driving._roads.corridor import DRIVABLE, Corridor, LaneStrip
 from oodscen_pybullet._land.course import RoadCourse, is_fast
 from oodscen_pybullet._types import Array, Mask
 
@@ -19,7 +19,7 @@ _MEETING_M = 8.0
 _NARROW_M = 0.05
 """A strip no wider than this is not there, m."""
 _ABSENT_M = 3.0
-"""Distance that is reported from a carriageway where a road has none, m."""
+"""Distance reported where a road has no carriageway, m; a margin above it takes that for too near."""
 
 
 class Outline(NamedTuple):
@@ -38,10 +38,10 @@ class Bounds(NamedTuple):
     y_min: float
     y_max: float
 
-    def contain(self, x: Array, y: Array) -> Mask:
+    def contains(self, x: Array, y: Array) -> Mask:
         """Return which points lie inside."""
-        inside: Mask = (x > self.x_min) & (x < self.x_max) & (y > self.y_min) & (y < self.y_max)
-        return inside
+        is_within: Mask = (x > self.x_min) & (x < self.x_max) & (y > self.y_min) & (y < self.y_max)
+        return is_within
 
 
 class Distances(NamedTuple):
@@ -75,15 +75,13 @@ class Way:
     ) -> "Way":
         """Measure a road along its course."""
         firm = DRIVABLE | {"rail"}
-        carriageway = _outline(corridor, course, firm)
-        right, left = _outline(corridor, course, firm | {"sidewalk"})
         kinds = {strip.kind for strip in corridor.strips}
         marks = {strip.mark for strip in corridor.strips} | {corridor.strips[0].right_mark}
         return cls(
             corridor=corridor,
             course=course,
-            carriageway=carriageway,
-            paved=Outline(np.minimum(right, carriageway.right), np.maximum(left, carriageway.left)),
+            carriageway=_outline(corridor, course, firm),
+            paved=_outline(corridor, course, firm | {"sidewalk"}),
             is_ego=is_ego,
             is_connecting=is_connecting,
             has_kerb="sidewalk" in kinds or "curb" in marks,
@@ -92,11 +90,11 @@ class Way:
 
     @property
     def is_track(self) -> bool:
-        """Return whether it is a railway, on which nothing is for road users."""
+        """True if it is a railway, on which nothing is for road users."""
         return all(strip.kind == "rail" for strip in self.corridor.strips)
 
     def carriageway_band(self) -> tuple[Array, Array]:
-        """Return the right and left edge of the carriageway, [n, 2] each, extended slightly at both ends, m."""
+        """Return the right and left edge of the carriageway, [n, 2] m each, lengthened by `_OVERLAP_M` at both ends."""
         course = self.course
         reach = np.zeros((len(course.s), 1))
         reach[0], reach[-1] = -_OVERLAP_M, _OVERLAP_M
@@ -134,8 +132,10 @@ def ways_of(corridor: Corridor) -> tuple[Way, ...]:
         if not other.is_connecting:
             rest = [corridor, *(c.corridor for c in corridor.others if c is not other)]
             x, y = other.corridor.x, other.corridor.y
-            first -= 0.0 if _meets(float(x[0]), float(y[0]), rest) else _ONWARD_M
-            last += 0.0 if _meets(float(x[-1]), float(y[-1]), rest) else _ONWARD_M
+            if not _meets(x[0], y[0], rest):
+                first -= _ONWARD_M
+            if not _meets(x[-1], y[-1], rest):
+                last += _ONWARD_M
         elif is_fast(corridor):
             # A motorway's lane ends within half a metre, where its exit takes it over.
             first, last = first - _OVERLAP_M, last + _OVERLAP_M
@@ -151,13 +151,20 @@ def ways_of(corridor: Corridor) -> tuple[Way, ...]:
     return tuple(ways)
 
 
+def strip_edges(corridor: Corridor, course: RoadCourse, strip: LaneStrip) -> tuple[Array, Array]:
+    """Return t of the right and left edges of a strip along a course."""
+    return (
+        np.interp(course.s, corridor.s, strip.right),
+        np.interp(course.s, corridor.s, strip.left),
+    )
+
+
 def _outline(corridor: Corridor, course: RoadCourse, kinds: frozenset[str]) -> Outline:
     """Return the outermost edges of the strips of these kinds; without such strips they coincide."""
     right, left = np.full(len(course.s), np.inf), np.full(len(course.s), -np.inf)
     for strip in corridor.strips:
         if strip.kind in kinds:
-            a = np.interp(course.s, corridor.s, strip.right)
-            b = np.interp(course.s, corridor.s, strip.left)
+            a, b = strip_edges(corridor, course, strip)
             is_there = b - a > _NARROW_M
             right = np.where(is_there, np.minimum(right, a), right)
             left = np.where(is_there, np.maximum(left, b), left)

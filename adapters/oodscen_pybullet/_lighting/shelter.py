@@ -14,13 +14,13 @@ from oodscen_pybullet._types import F32, Array, Mask, Point
 _WALL_M = 0.6
 """Distance by which walls extend beyond the cross-section, m."""
 _AROUND_M = 60.0
-"""Distance around the road's line within which points may lie in a tunnel, m."""
+"""Margin around the bounding box of the road's line beyond which no point is in a tunnel, m."""
 _BELOW_M, _SHELL_M = 0.5, 0.2
 """Heights below the road and above the ceiling that still belong to a tunnel, m."""
 _FACING = 1e-4
 """Least change of distance to the portal per metre of depth at which a ray meets it."""
 _NEAREST_M = 0.01
-"""Least distance of a portal that counts as ahead, m."""
+"""Least distance of a portal that is told, m: one that is nearer, or passed around a bend, counts as this far ahead."""
 _USED_M = 25.0
 """Distance into a tunnel after which a camera has adapted to the light there, m."""
 
@@ -31,14 +31,14 @@ class Portal:
 
     is_inside: bool
     """True if the camera is in the tunnel and looks out, False if it looks in."""
-    deep: float
-    """Adaptation of the camera to the tunnel's light: 0 outside and at its ends, 1 well inside."""
+    adaptation: float
+    """The camera's adaptation to the tunnel's light: 0 outside and at its ends, 1 well inside."""
     distance: float
     """Distance from the camera to the plane along its normal, m."""
     normal: Point
     """Normal of the plane away from the camera, as components along the camera's right, up and forward."""
 
-    def ahead(self, across: NDArray[np.floating], upwards: NDArray[np.floating]) -> F32:
+    def depths(self, across: NDArray[np.floating], upwards: NDArray[np.floating]) -> F32:
         """Return the depth of the plane on rays, m; infinity on rays that do not meet it.
 
         Args:
@@ -70,7 +70,7 @@ class Shelter:
         low = np.array([road.x.min(), road.y.min()]) - _AROUND_M
         high = np.array([road.x.max(), road.y.max()]) + _AROUND_M
         some = np.flatnonzero(((points[:, :2] > low) & (points[:, :2] < high)).all(axis=1))
-        s, t = road.locate_all(points[some, 0].copy(), points[some, 1].copy())
+        s, t = road.locate_all(points[some, 0], points[some, 1])
         above = points[some, 2] - np.interp(s, road.s, road.z)
         right = np.interp(s, road.s, road.strips[0].right) - _WALL_M
         left = np.interp(s, road.s, road.strips[-1].left) + _WALL_M
@@ -89,9 +89,9 @@ class Shelter:
         end = self._exit(s, sign) if is_inside else self._next_entrance(s, sign)
         if end is None:
             return None
-        deep = self._adaptation(s) if is_inside else 0.0
+        adaptation = self._adaptation(s) if is_inside else 0.0
         distance, normal = self._plane(view, end, sign)
-        return Portal(is_inside, deep, max(distance, _NEAREST_M), normal)
+        return Portal(is_inside, adaptation, max(distance, _NEAREST_M), normal)
 
     def _plane(self, view: CameraView, s: float, sign: float) -> tuple[float, Point]:
         """Return a camera's distance from the plane across the road at s, and that plane's `Portal.normal`.

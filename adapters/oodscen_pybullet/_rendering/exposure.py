@@ -204,7 +204,7 @@ def _portal_plane(portal: Portal, daylight: float) -> PortalPlane:
     """Return the end of a tunnel, whose lamps look the brighter the more the camera has adapted to them."""
     dark = 1.0 - daylight
     dull, used = _DULL + _DULL_AT_NIGHT * dark, _USED - _USED_AT_NIGHT * dark
-    bright = dull + (used - dull) * portal.deep
+    bright = dull + (used - dull) * portal.adaptation
     right, up, forward = (np.float32(part) for part in portal.normal)
     return PortalPlane(
         is_ahead=True,

@@ -200,7 +200,7 @@ def _outside(drops: F32, ahead: F32, across: F32, upwards: F32, portal: Portal |
     """
     if portal is None:
         return drops
-    is_behind = ahead > portal.ahead(across, upwards)
+    is_behind = ahead > portal.depths(across, upwards)
     if portal.is_inside:
         return drops[is_behind]
     drops[:, -1] = is_behind

@@ -1,6 +1,7 @@
 """Failed attempts to reach a model, and their meaning for the item and the endpoint."""
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from email.utils import parsedate_to_datetime
@@ -19,14 +20,17 @@ filter declines the item. `limit`: too many calls. `late`: the time is up, wheth
 bodies). `denied`: every call will be refused (no valid key, no quota).
 """
 
-_SHOWN = 500
+_MAX_SHOWN = 500
 """Maximum length of an error text, in characters; some servers answer with whole web pages."""
 
-_QUOTED = 100
-"""Number of characters of an unusable response that its message quotes."""
+_MAX_QUOTED = 100
+"""Maximum number of characters of an unusable response that its message quotes."""
 
-_RAW = 4_000
-"""Number of characters of an unusable response that are kept."""
+_MAX_RAW = 4_000
+"""Maximum number of characters of an unusable response that are kept."""
+
+_MAX_WAIT_S = 366 * 86_400.0
+"""Longest wait that a server can mean, in seconds."""
 
 _MEANINGS: dict[int, Kind] = {
     401: "denied",
@@ -37,7 +41,7 @@ _MEANINGS: dict[int, Kind] = {
     425: "erring",
     429: "limit",
 }
-"""Statuses below 500 that say nothing about the item."""
+"""Meanings of the statuses below 500 that are not about the item."""
 
 _FILTER = re.compile(
     r"content[_ ]?policy|content[_ ]?filter|content management policy|responsible ?ai ?policy"
@@ -45,7 +49,6 @@ _FILTER = re.compile(
     re.IGNORECASE,
 )
 """Names of providers' content filters in error texts."""
-
 
 _BROKEN = {
     "size": "the response has more than {detail} bytes",
@@ -55,7 +58,9 @@ _BROKEN = {
     "proxy": "a proxy is asked over http:// only; mend HTTPS_PROXY or ALL_PROXY",
     "offline": "OODSCEN_OFFLINE is set, and {detail} is not this machine",
 }
-"""Messages for ended calls whose other details do not matter."""
+"""Messages for calls that their bounds ended, where nothing else about the failure matters."""
+
+_UNSENDABLE = "a key or a name in the environment holds characters that a request cannot carry"
 
 
 class Filtered(Exception):
@@ -90,7 +95,7 @@ class FailedAttempt:
 
     @property
     def is_free(self) -> bool:
-        """True if the server certainly billed nothing, since it refused the request."""
+        """True if the response was an error, which no provider bills."""
         return self.status is not None and self.status >= 400
 
 
@@ -105,17 +110,18 @@ def diagnose(model: str, error: Exception, bounds: CallBounds) -> FailedAttempt:
     from litellm.exceptions import ContextWindowExceededError  # Late: only its errors come here.
 
     status = bounds.status if bounds.is_sent else getattr(error, "status_code", None)
-    text = _short(str(error).partition("Traceback (most recent call last)")[0])
-    cause = _cause(error)
-    if (words := _short(str(cause))) not in text:
-        text = f"{text} ({words})"
-    kind, reason = _meaning(status, text, error, bounds)
+    cause = _root_cause(error)
+    said, caused = _words(error), _words(cause)
+    text = _short(said)
+    if one_line(caused) not in one_line(said):
+        text = f"{text} ({_short(caused)})"
+    kind, reason = _meaning(_kind(status, f"{said} {caused}", error), text, error, bounds)
     if _is_unsendable(cause):
         kind, reason = "denied", _UNSENDABLE
     is_unreadable = kind == "erring" and (status is None or status < 400)
     raw = _start(bounds) if is_unreadable else ""
     if is_unreadable and bounds.broken is None and bounds.is_sent:
-        begins = f"{reason}; it begins: {_short(raw)[:_QUOTED]}"
+        begins = f"{reason}; it begins: {_short(raw)[:_MAX_QUOTED]}"
         reason = begins if raw.strip() else "the response is empty"
     is_final = bounds.broken in ("redirect", "proxy", "offline") or status in (403, 404)
     is_final = is_final or isinstance(error, ImportError)
@@ -131,11 +137,15 @@ def diagnose(model: str, error: Exception, bounds: CallBounds) -> FailedAttempt:
     )
 
 
-def _meaning(
-    status: int | None, text: str, error: Exception, bounds: CallBounds
-) -> tuple[Kind, str]:
-    """Return the kind of a failure, and its reason in words."""
-    kind = _kind(status, text, error)
+def _meaning(kind: Kind, text: str, error: Exception, bounds: CallBounds) -> tuple[Kind, str]:
+    """Return the kind of a failure as the call's bounds correct it, and its reason in words.
+
+    Args:
+        kind: The kind by the status and the words of the error.
+        text: The words, cut to fit into a message.
+        error: The exception.
+        bounds: The bounds of the call.
+    """
     if bounds.broken in _BROKEN:
         return "erring", _BROKEN[bounds.broken].format(detail=bounds.detail)
     if bounds.broken == "silence":
@@ -153,18 +163,20 @@ def _meaning(
 
 def _short(text: str) -> str:
     """Return a text on one line, without credentials and cut to a length that fits into a message."""
-    text = one_line(redact_start(text, _RAW))
-    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]} ..."
+    text = one_line(redact_start(text, _MAX_RAW))
+    return text if len(text) <= _MAX_SHOWN else f"{text[:_MAX_SHOWN]} ..."
 
 
-def _cause(error: BaseException) -> BaseException:
-    """Return the first cause of an error; litellm's own words leave it out."""
+def _words(error: BaseException) -> str:
+    """Return the words of an error without the traceback that litellm puts into some."""
+    return str(error).partition("Traceback (most recent call last)")[0]
+
+
+def _root_cause(error: BaseException) -> BaseException:
+    """Return the root cause of an error; litellm's own words leave it out."""
     while (before := error.__cause__ or error.__context__) is not None:
         error = before
     return error
-
-
-_UNSENDABLE = "a key or a name in the environment holds characters that a request cannot carry"
 
 
 def _is_unsendable(cause: BaseException) -> bool:
@@ -176,7 +188,7 @@ def _is_unsendable(cause: BaseException) -> bool:
 def _start(bounds: CallBounds) -> str:
     """Return the beginning of a response's body without credentials."""
     is_cut = len(bounds.head) >= KEPT
-    return redact_start(bounds.head.decode("utf-8", "replace"), _RAW, is_cut=is_cut)
+    return redact_start(bounds.head.decode("utf-8", "replace"), _MAX_RAW, is_cut=is_cut)
 
 
 def _kind(status: int | None, text: str, error: Exception) -> Kind:
@@ -194,20 +206,28 @@ def _kind(status: int | None, text: str, error: Exception) -> Kind:
 
 
 def retry_after(error: Exception) -> float | None:
-    """Return the seconds that a server asks to wait, from either form of the header."""
+    """Return the seconds that a server asks to wait, from either header that says so."""
     headers: Any = getattr(error, "litellm_response_headers", None)
     if not headers:
-        headers = getattr(getattr(error, "response", None), "headers", None) or {}
-    try:
-        if (milliseconds := headers.get("retry-after-ms")) is not None:
-            return max(0.0, float(milliseconds) / 1000.0)
-        value = headers.get("retry-after")
-        if value is None:
-            return None
-        if value.strip().replace(".", "", 1).isdigit():
-            return float(value)
-        moment = parsedate_to_datetime(value)
-        moment = moment if moment.tzinfo else moment.replace(tzinfo=UTC)
-        return max(0.0, (moment - datetime.now(UTC)).total_seconds())
-    except (AttributeError, TypeError, ValueError):
+        headers = getattr(getattr(error, "response", None), "headers", None)
+    if not isinstance(headers, Mapping):
         return None
+    for name, unit in (("retry-after-ms", 1e-3), ("retry-after", 1.0)):
+        seconds = _seconds(headers.get(name), unit)
+        if seconds is not None:
+            return seconds
+    return None
+
+
+def _seconds(value: Any, unit: float) -> float | None:
+    """Return the seconds that a number of units or a date means; `None` if it means none."""
+    try:
+        seconds = unit * float(value)
+    except (TypeError, ValueError):
+        try:
+            moment = parsedate_to_datetime(value)
+            moment = moment if moment.tzinfo else moment.replace(tzinfo=UTC)
+            seconds = max(0.0, (moment - datetime.now(UTC)).total_seconds())
+        except (AttributeError, TypeError, ValueError, OverflowError):
+            return None
+    return seconds if 0.0 <= seconds <= _MAX_WAIT_S else None

@@ -6,14 +6,20 @@ from oodscen.protocols import Control
 from oodscen.testing._kit.findings import NotApplicable
 from oodscen.testing._kit.probe import Probe
 from oodscen.testing._kit.samples import constantly, follow_lane
-from oodscen.testing._kit.tracks import run_both, start_fault, turned_by
+from oodscen.testing._kit.tracks import Tracks, run_both, start_fault, turned_by
 
-CONTROL = 0.2
+_CONTROL = 0.2
 """Relative tolerance of the ego's change of speed and of heading under a constant control."""
-GRIP = 0.3
+_GRIP = 0.3
 """The same under controls that ask for more than the tyres can transmit."""
 _SLIPPERY = 0.7
-"""Greatest friction at which a control is far beyond the grip that is well within it on a dry road."""
+"""Highest friction at which controls that a dry road can take clearly exceed the grip."""
+_LEAST_FRICTION = 0.3
+"""Friction below which no road is tried."""
+_SECONDS = 1.5
+"""Length of a run under a constant control, s."""
+_TALL_M = 0.5
+"""Height above which an asset is surely met by the ego's body, m."""
 
 
 def check_ego(probe: Probe) -> None:
@@ -25,26 +31,37 @@ def check_ego(probe: Probe) -> None:
         ("steering right by 0.05 rad", 8.0, Control(0.0, -0.05)),
     ):
         scene = probe.scene(speed=speed)
-        tracks, other = run_both(probe, scene, constantly(control), seconds=1.5)
+        tracks, other = run_both(probe, scene, constantly(control), seconds=_SECONDS)
         fault = start_fault(tracks, other, 0)
         probe.findings.expect(not fault, "ego", fault)
-        told, wanted = (float(t.speeds[-1, 0] - t.speeds[0, 0]) for t in (tracks, other))
-        if not abs(told - wanted) <= 0.3 + CONTROL * abs(wanted):
-            message = f"{name} changes its speed by {told:.1f} m/s in 1.5 s, not {wanted:.1f}"
-            probe.findings.add("ego", message)
-        told, wanted = (turned_by(*t.poses[[-1, 0], 0, 3]) for t in (tracks, other))
-        if not abs(told - wanted) <= 1.0 + CONTROL * abs(wanted):
-            message = f"{name} turns it by {told:.1f} degrees in 1.5 s, not {wanted:.1f}"
-            probe.findings.add("ego", message)
+        (told, turned), (wanted, turning) = _changes(tracks), _changes(other)
+        probe.findings.expect(
+            abs(told - wanted) <= 0.3 + _CONTROL * abs(wanted),
+            "ego",
+            f"{name} changes its speed by {told:.1f} m/s in {_SECONDS:g} s, not {wanted:.1f}",
+        )
+        probe.findings.expect(
+            abs(turned - turning) <= 1.0 + _CONTROL * abs(turning),
+            "ego",
+            f"{name} turns it by {turned:.1f} degrees in {_SECONDS:g} s, not {turning:.1f}",
+        )
         apart = float(np.linalg.norm(tracks.poses[-1, 0, :2] - other.poses[-1, 0, :2]))
         probe.findings.expect(
-            apart <= 1.5, "ego", f"{name} ends {apart:.1f} m from the reference after 1.5 s"
+            apart <= 1.5,
+            "ego",
+            f"{name} ends {apart:.1f} m from the reference after {_SECONDS:g} s",
         )
 
 
 def check_grip(probe: Probe) -> None:
-    """Compare hard braking and steering with the reference world's, on a dry road and on the most slippery one."""
-    least = max(0.3, probe.catalogue.weather.min_friction)
+    """Compare hard braking and steering with the reference world's on a dry road and on a slippery one.
+
+    That one has the catalogue's least friction, but not below `_LEAST_FRICTION`.
+
+    Raises:
+        NotApplicable: If no road is slippery, after the dry one was tried.
+    """
+    least = max(_LEAST_FRICTION, probe.catalogue.weather.min_friction)
     for friction in (1.0, least) if least <= _SLIPPERY else (1.0,):
         weather = probe.clear.model_copy(update={"friction": friction})
         for name, speed, control in (
@@ -52,26 +69,44 @@ def check_grip(probe: Probe) -> None:
             ("steering", 14.0, Control(0.0, 0.1 if friction < 1.0 else 0.3)),
         ):
             scene = probe.scene(speed=speed, weather=weather)
-            tracks, other = run_both(probe, scene, constantly(control), seconds=1.5)
-            told, wanted = (float(t.speeds[-1, 0] - t.speeds[0, 0]) for t in (tracks, other))
-            turned, turning = (turned_by(*t.poses[[-1, 0], 0, 3]) for t in (tracks, other))
-            is_like = abs(told - wanted) <= 0.5 + GRIP * abs(wanted)
-            is_like &= abs(turned - turning) <= 3.0 + GRIP * abs(turning)
-            message = f"{name} at friction {friction:g} does not stay within the grip"
-            probe.findings.expect(is_like, "ego", message)
+            tracks, other = run_both(probe, scene, constantly(control), seconds=_SECONDS)
+            (told, turned), (wanted, turning) = _changes(tracks), _changes(other)
+            is_like = abs(told - wanted) <= 0.5 + _GRIP * abs(wanted)
+            is_like &= abs(turned - turning) <= 3.0 + _GRIP * abs(turning)
+            probe.findings.expect(
+                is_like,
+                "ego",
+                f"{name} at friction {friction:g} changes its speed by {told:.1f} m/s and turns it by "
+                f"{turned:.1f} degrees in {_SECONDS:g} s, not {wanted:.1f} and {turning:.1f}",
+            )
     if least > _SLIPPERY:
-        raise NotApplicable("no slippery road: the catalogue's least friction is over 0.7")
+        raise NotApplicable(
+            f"no slippery road: the catalogue's least friction is over {_SLIPPERY:g}"
+        )
+
+
+def _changes(tracks: Tracks) -> tuple[float, float]:
+    """Return the ego's change of speed, m/s, and of heading, degrees, over a run."""
+    speeds, headings = tracks.speeds[:, 0], tracks.poses[:, 0, 3]
+    return float(speeds[-1] - speeds[0]), turned_by(float(headings[-1]), float(headings[0]))
 
 
 def check_contact(probe: Probe) -> None:
-    """Check that bodies keep moving after a contact, and that the contact is in the state."""
-    box = max(
-        probe.catalogue.assets, key=lambda asset: (not asset.is_passable(), asset.height > 0.5)
-    )
+    """Check that bodies keep moving after a contact, and that the contact is in the state.
+
+    Raises:
+        NotApplicable: If no asset of the catalogue blocks the way.
+    """
+    solid = [asset for asset in probe.catalogue.assets if not asset.is_passable()]
+    if not solid:
+        raise NotApplicable("no asset blocks the way")
+    box = next((asset for asset in solid if asset.height > _TALL_M), solid[0])
     scene = probe.scene(probe.still(box, ahead=15.0), speed=8.0)
     states = probe.run(scene, follow_lane, steps=round(3.0 / probe.simulator.dt))
-    touched = [state.step for state in states if state.contacts]
-    probe.findings.expect(touched, "ego", f"drives through a {box.id} without a contact")
-    way = float(np.linalg.norm(states[-1].poses[0, :2] - states[0].poses[0, :2]))
-    message = f"covers {way:.0f} m through a {box.id} in 3 s at 8 m/s: a contact must not stop it"
-    probe.findings.expect(way > 18.0, "ego", message)
+    is_touched = any(state.contacts for state in states)
+    probe.findings.expect(is_touched, "ego", f"drives through a {box.id} without a contact")
+    covered = float(np.linalg.norm(states[-1].poses[0, :2] - states[0].poses[0, :2]))
+    message = (
+        f"covers {covered:.0f} m through a {box.id} in 3 s at 8 m/s: a contact must not stop it"
+    )
+    probe.findings.expect(covered > 18.0, "ego", message)

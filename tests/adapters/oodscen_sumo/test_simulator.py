@@ -1,4 +1,5 @@
 import math
+import sys
 
 import numpy as np
 import pytest
@@ -130,6 +131,49 @@ def test_a_file_that_netconvert_refuses_is_named(tmp_path) -> None:
     with pytest.raises(SimulatorError, match="broken"):
         networks.path(str(broken))
     networks.close()
+
+
+@pytest.fixture
+def run_netconvert(tmp_path):
+    """Return a function that converts the avenue with a script in place of netconvert."""
+
+    def run(script: str) -> None:
+        program = tmp_path / "netconvert"
+        program.write_text(f"#!/bin/sh\n{script}\n")
+        program.chmod(0o700)
+        networks = Networks(str(tmp_path))
+        try:
+            networks.path(AVENUE.file)
+        finally:
+            networks.close()
+
+    return run
+
+
+def test_a_missing_netconvert_is_told(tmp_path) -> None:
+    networks = Networks(str(tmp_path))
+    with pytest.raises(SimulatorError, match=r"netconvert cannot be started: .*No such file"):
+        networks.path(AVENUE.file)
+    networks.close()
+
+
+def test_what_netconvert_says_is_told_on_one_line_in_any_encoding(run_netconvert) -> None:
+    with pytest.raises(SimulatorError, match=r"refuses .*: caf\ufffd is no road$"):
+        run_netconvert(r"printf 'caf\351\nis no road\n' >&2; exit 1")
+
+
+def test_a_netconvert_that_does_not_end_is_ended(run_netconvert, monkeypatch) -> None:
+    monkeypatch.setattr("oodscen_sumo._network._TIMEOUT_S", 0.2)
+    with pytest.raises(SimulatorError, match=r"has not ended after 0\.2 s"):
+        run_netconvert("exec sleep 5")
+
+
+def test_a_libsumo_that_cannot_be_loaded_is_told(tmp_path, monkeypatch) -> None:
+    (tmp_path / "libsumo.py").write_text("raise ImportError('libproj.so: cannot open')")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "libsumo", raising=False)
+    with pytest.raises(SimulatorError, match=r"libsumo cannot be loaded: libproj\.so"):
+        load_sumo()
 
 
 def test_the_catalogue_needs_no_sumo_and_a_run_says_how_to_get_it() -> None:

@@ -264,9 +264,49 @@ def test_every_form_of_retry_after_is_understood():
     assert seconds_to_wait(Answered(retry_after_ms="250", retry_after="1")) == 0.25
     assert 0 < seconds_to_wait(Answered(retry_after=format_datetime(soon))) <= 40
     assert seconds_to_wait(Answered(retry_after="Thu, 01 Jan 1970 00:00:00 GMT")) == 0.0
-    for nonsense in ("soon", "", "-1", "1.2.3"):
-        assert seconds_to_wait(Answered(retry_after=nonsense)) is None
+    assert seconds_to_wait(Answered(retry_after_ms="soon", retry_after="3")) == 3.0
     assert seconds_to_wait(ValueError()) is None
+
+
+@pytest.mark.parametrize("header", ["retry_after", "retry_after_ms"])
+@pytest.mark.parametrize(
+    "value",
+    [
+        *("soon", "", "-1", "1.2.3", "inf", "nan", "9" * 400, "9" * 300),
+        "Thu, 01 Jan 2024 00:00:00 +99999999999999",
+        "Fri, 31 Dec 9999 23:59:59 GMT",
+    ],
+)
+def test_a_time_to_wait_that_cannot_be_meant_is_none(header, value):
+    assert seconds_to_wait(Answered(**{header: value})) is None
+
+
+@pytest.mark.parametrize(
+    ("words", "kind"),
+    [("insufficient_quota", "denied"), ("content management policy", "filtered")],
+)
+def test_a_failure_is_known_by_words_that_its_message_cuts_off(words, kind):
+    error = Answered()
+    error.args, error.status_code = (f"{'x' * 600} {words}",), 400
+    failure = diagnose("m", error, CallBounds(1.0, 1))
+    assert failure.kind == kind
+    assert words not in failure.message
+
+
+@pytest.mark.parametrize("is_wrapped", [False, True])
+def test_a_traceback_in_an_error_is_not_told(is_wrapped):
+    error = ValueError('boom\nTraceback (most recent call last):\n  File "secret.py"')
+    if is_wrapped:
+        error, error.__cause__ = RuntimeError("it failed"), error
+    message = diagnose("m", error, CallBounds(1.0, 1)).message
+    assert message.endswith("RuntimeError: it failed (boom)" if is_wrapped else "ValueError: boom")
+
+
+def test_a_long_error_is_not_told_twice():
+    error = RuntimeError(f"litellm: {'x' * 600}")
+    error.__cause__ = ValueError("x" * 600)
+    message = diagnose("m", error, CallBounds(1.0, 1)).message
+    assert message.endswith(f"RuntimeError: litellm: {'x' * 491} ...")
 
 
 @pytest.mark.parametrize("fault", ["malformed", "truncated", "wrong_schema", "null"])

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from oodscen_pybullet._land.ribbons import Ribbons, strip_edges
-from oodscen_pybullet._land.ways import Way
+from oodscen_pybullet._land.ribbons import Ribbons
+from oodscen_pybullet._land.ways import Way, strip_edges
 from oodscen_pybullet._meshes.shapes import ORIGIN
 from oodscen_pybullet._meshes.tags import Tag, tagged
 from oodscen_pybullet._scenery import furniture

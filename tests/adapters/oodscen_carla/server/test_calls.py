@@ -144,6 +144,48 @@ def test_a_batch_answers_every_command_for_itself(served):
     assert served.world.frame == 1
 
 
+def test_a_batch_that_is_refused_as_a_whole_answers_every_command(served):
+    """A client reads a list of responses, and looks up the response of each of its commands."""
+    answers = served.ask("apply_batch", [[[1, [999]]]] * 10_001, False)
+    assert len(answers) == 10_001
+    (message,) = {message for ((kind, (message,)),) in answers if kind == 0}
+    assert "at most 10,000 values, not 10,001" in message
+
+
+@pytest.mark.parametrize("arguments", [(), ("all", False), ([], "soon")])
+def test_a_batch_that_is_none_has_a_response(served, arguments):
+    (((kind, (message,)),),) = served.ask("apply_batch", *arguments)
+    assert kind == 0
+    assert message
+
+
+def test_a_batch_with_bad_arguments_runs_no_command(served):
+    car = served.spawn(CAR)
+    (((kind, _),),) = served.ask("apply_batch", [[[1, [car]]]], "soon")
+    assert kind == 0
+    assert car in served.world.actors
+
+
+@pytest.mark.parametrize("control", [CONTROL[:3], [*CONTROL, 0]])
+def test_a_vehicles_control_has_seven_values(served, control):
+    car = served.spawn(CAR)
+    message = served.error("apply_control_to_vehicle", car, control)
+    assert f"list of 7 values, not {len(control)}" in message
+
+
+def test_only_vehicles_are_driven_and_lit(served):
+    for number in (23, served.spawn("static.prop.puddle")):
+        assert "is no vehicle" in served.error("apply_control_to_vehicle", number, CONTROL)
+        assert "is no vehicle" in served.error("set_vehicle_light_state", number, [1])
+
+
+@pytest.mark.parametrize(("count", "words"), [(0, "missing"), (4, "too many")])
+def test_a_call_with_too_few_or_too_many_arguments_is_refused(served, count, words):
+    message = served.error("set_actor_location", *[1] * count)
+    assert message.startswith("set_actor_location: ")
+    assert words in message
+
+
 def test_every_shipped_map_loads_and_its_cars_stand_on_the_road(served):
     for name in served.get("get_available_maps"):
         served.get("load_new_episode", name, True, 0)

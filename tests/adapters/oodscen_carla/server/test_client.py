@@ -175,3 +175,10 @@ def test_a_second_client_sees_what_the_first_does(server, world):
     assert len(frames) < 1000
     assert watching.get_map().name == world.get_map().name
     assert watching.get_actor(car.id).type_id == "vehicle.tesla.model3"
+
+
+def test_a_batch_that_is_too_long_is_refused_in_words(client, world):
+    orders = [carla.command.DestroyActor(9999)] * 10_001
+    answers = client.apply_batch_sync(orders, False)
+    assert len(answers) == 10_001
+    assert "at most 10,000 values" in answers[-1].error

@@ -156,3 +156,10 @@ def test_it_refuses_and_hangs_on_demand(server):
         assert client.ask("version") == [[1, "0.9.16"]]
     with pytest.raises(ValueError, match="no fault"):
         server.fault("explode")
+
+
+def test_a_batch_that_is_refused_on_demand_answers_every_command(server):
+    server.fault("refuse", "apply_batch")
+    with RawClient(server.port) as client:
+        answers = client.ask("apply_batch", [[[1, [999]]], [[1, [998]]]], False)
+    assert answers == [[[0, ["apply_batch was refused on demand"]]]] * 2

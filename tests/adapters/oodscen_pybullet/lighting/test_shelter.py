@@ -55,13 +55,13 @@ def test_the_portal_ahead_is_that_of_the_way_one_looks(ahead: float, turned: boo
     assert portal.is_inside == inside
     expected = min(abs(end - eye) for end in left)
     middle = np.zeros(1, np.float32)
-    assert float(portal.ahead(middle, middle)[0]) == pytest.approx(expected, rel=0.02, abs=0.05)
+    assert float(portal.depths(middle, middle)[0]) == pytest.approx(expected, rel=0.02, abs=0.05)
 
 
 def test_rays_away_from_the_portal_never_meet_it() -> None:
-    portal = Portal(is_inside=False, deep=0.0, distance=5.0, normal=(1.0, 0.0, 0.0))
+    portal = Portal(is_inside=False, adaptation=0.0, distance=5.0, normal=(1.0, 0.0, 0.0))
     slopes = np.array([-1.0, 0.5, 1.0], np.float32)
-    assert portal.ahead(slopes, slopes).tolist() == [np.inf, 10.0, 5.0]
+    assert portal.depths(slopes, slopes).tolist() == [np.inf, 10.0, 5.0]
 
 
 def test_maps_without_tunnels_shelter_nothing() -> None:

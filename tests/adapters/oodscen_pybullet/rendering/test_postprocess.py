@@ -113,7 +113,7 @@ def test_headlamps_light_ground_that_rises_above_their_cut_off() -> None:
 
 
 def test_tunnels_are_lit_by_their_own_lamps_and_hazy_only_outside() -> None:
-    portal = Portal(is_inside=True, deep=1.0, distance=100.0, normal=(0.0, 0.0, 1.0))
+    portal = Portal(is_inside=True, adaptation=1.0, distance=100.0, normal=(0.0, 0.0, 1.0))
     raw = shot(30.0, kind=SHELTERED, colour=120)
 
     def inside(**weather: object) -> float:

@@ -125,12 +125,12 @@ def test_nothing_falls_into_tunnels(weather: Weather) -> None:
         return np.count_nonzero(image.any(axis=2), axis=0)
 
     open_air, ahead = (0.0, 0.0, 1.0), draw(None)
-    into = draw(Portal(is_inside=False, deep=0.0, distance=6.0, normal=open_air))
-    out = draw(Portal(is_inside=True, deep=1.0, distance=6.0, normal=open_air))
+    into = draw(Portal(is_inside=False, adaptation=0.0, distance=6.0, normal=open_air))
+    out = draw(Portal(is_inside=True, adaptation=1.0, distance=6.0, normal=open_air))
     assert (into[:80] == ahead[:80]).all()
     assert 0 < into[80:].sum() < 0.8 * ahead[80:].sum()
     assert 0 < out.sum() < ahead.sum() - into.sum() + ahead.sum()
-    beyond = draw(Portal(is_inside=True, deep=1.0, distance=60.0, normal=open_air))
+    beyond = draw(Portal(is_inside=True, adaptation=1.0, distance=60.0, normal=open_air))
     assert not beyond.any()
 
 
