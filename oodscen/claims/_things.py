@@ -12,16 +12,10 @@ from oodscen.data._catalogue import Asset, RoadMap
 from oodscen.prompts._digest import AssetLine
 
 _IRREGULAR = {
-    "man": "men",
-    "woman": "women",
     "child": "children",
     "person": "people",
     "goose": "geese",
     "calf": "calves",
-    "policeman": "policemen",
-    "policewoman": "policewomen",
-    "workman": "workmen",
-    "flagman": "flagmen",
     "leaf": "leaves",
 }
 _UNCHANGED = frozenset(
@@ -167,7 +161,7 @@ def _index() -> tuple[re.Pattern[str], dict[str, tuple[Thing, bool, str]]]:
             plain = " ".join(re.split(r"[\s-]+", word.casefold()))
             for form, is_plural in (
                 (plain, thing.plural or plain in _PLURAL),
-                (_plural(plain), True),
+                (plural(plain), True),
             ):
                 by_form.setdefault(form, (thing, is_plural, word))
     forms = sorted(by_form, key=lambda form: (-len(form), form))
@@ -175,15 +169,18 @@ def _index() -> tuple[re.Pattern[str], dict[str, tuple[Thing, bool, str]]]:
     return re.compile(rf"(?<![\w-])(?:{joined})(?![\w-])", re.IGNORECASE), by_form
 
 
-def _plural(word: str) -> str:
+def plural(word: str) -> str:
+    """Return the plural of a noun."""
     head, _, last = word.rpartition(" ")
     first, _, rest = word.partition(" of ")
     if rest:
-        return f"{_plural(first)} of {rest}"
+        return f"{plural(first)} of {rest}"
     if last in _UNCHANGED:
         return word
     if last in _IRREGULAR:
         ending = _IRREGULAR[last]
+    elif last.endswith("man") and last not in ("human", "german"):
+        ending = f"{last[:-3]}men"
     elif last.endswith(("s", "x", "ch", "sh")):
         ending = f"{last}es"
     elif last.endswith("y") and last[-2:-1] not in "aeiou":
