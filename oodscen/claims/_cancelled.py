@@ -19,7 +19,7 @@ _USED_IN_WEATHER = re.compile(
 _OBJECTS = "barrels? butts? jackets? gauges? ponchos? lamp shifts? clubs? express".split()
 _ACTORS = "bus taxi train tram owl watchman guard porter nurse patrol crew".split()
 _SERVING = "vehicle car van lorry truck train boat engine helicopter convoy drone robot team crew gang party unit worker".split()
-"""Who or what does the maintenance, inspection, rescue, survey or cleaning of a road."""
+"""Nouns for those that maintain, inspect, survey or clean a road, or rescue people there."""
 
 
 def _described(nouns: Iterable[str], serving: Iterable[str]) -> re.Pattern[str]:
