@@ -12,16 +12,10 @@ from oodscen.data._catalogue import Asset, RoadMap
 from oodscen.prompts._digest import AssetLine
 
 _IRREGULAR = {
-    "man": "men",
-    "woman": "women",
     "child": "children",
     "person": "people",
     "goose": "geese",
     "calf": "calves",
-    "policeman": "policemen",
-    "policewoman": "policewomen",
-    "workman": "workmen",
-    "flagman": "flagmen",
     "leaf": "leaves",
 }
 _UNCHANGED = frozenset(
@@ -37,8 +31,11 @@ class Thing:
     """A kind of thing with all its names."""
 
     words: tuple[str, ...]
+    """Names, in the singular; the first is the one used in claims."""
     terms: tuple[str, ...] = ()
+    """Terms of which one must match an asset's words: `a&b` needs both, `!a` forbids a word."""
     map: tuple[str, ...] = ()
+    """Words of a map's traits or description that show the thing without an actor."""
     group: str = ""
     """General group: `vehicle`, `person`, `animal`, `object` or `signal`."""
     many: bool = False
@@ -53,9 +50,11 @@ class Thing:
 
     @property
     def name(self) -> str:
+        """The name used in claims."""
         return self.words[0]
 
     def fits(self, asset: Named) -> bool:
+        """Return whether an asset shows the thing."""
         words = words_of(asset)
         return any(
             all((part[1:] not in words) if part[0] == "!" else part in words for part in parts)
@@ -82,7 +81,7 @@ class Mention(NamedTuple):
 
 @cache
 def things() -> tuple[Thing, ...]:
-    """Return all known kinds of things; those without terms are never matched in texts."""
+    """Return all known kinds of things; those without terms only keep their words from being read as other things."""
     source = resources.files("oodscen.claims").joinpath("things.toml").read_text(encoding="utf-8")
     found = []
     for row in tomllib.loads(source)["thing"]:
@@ -108,37 +107,39 @@ def mentions(text: str) -> Iterator[Mention]:
 
 @cache
 def thing_named(subject: str) -> Thing | None:
-    """Return the thing that a noun phrase names; of several, the last one, which is its head."""
-    head = _head(subject)
-    for part in (subject, head):
-        found = list(mentions(part))
-        if found and (part is head or found[0].end >= len(part.rstrip(" 0123456789"))):
-            return found[-1].thing
-    whole = list(mentions(subject))
-    return whole[0].thing if whole else None
+    """Return the thing that a noun phrase names: its head, or what a group or heap of things is made of."""
+    end = len(_with_contents(subject))
+    first = next((mention for mention in mentions(subject) if mention.start < end), None)
+    if first is not None and _reaches_end(first, subject):
+        return first.thing
+    if of_head := list(mentions(_head(subject))):
+        return of_head[-1].thing
+    return None if first is None else first.thing
 
 
 def is_head(subject: str) -> bool:
     """Return whether the thing that a noun phrase names is its head: `car` in `old car`, not in `car carrier`."""
     head = _head(subject)
     found = list(mentions(head))
-    return bool(found) and found[-1].end >= len(head.rstrip(" 0123456789"))
+    return bool(found) and _reaches_end(found[-1], head)
 
 
 def may_be(subject: str, asset: Named) -> bool:
     """Return whether an asset fits a noun phrase.
 
-    An unknown name is compared with the words of the asset.
+    The noun of an unknown one, or that of its contents, is compared with the words of the asset.
     """
     thing = thing_named(subject)
     if thing is not None:
         return thing.fits(asset)
     words = words_of(asset) | set(re.findall(r"[a-z]+", asset.description.casefold()))
-    mine = [word for word in re.findall(r"[a-z]+", subject.casefold()) if len(word) > 2]
-    return bool(mine) and bool({mine[-1], mine[-1].removesuffix("s")} & words)
+    phrase = _with_contents(subject).casefold()
+    nouns = [word for word in re.findall(r"[a-z]+", phrase) if len(word) > 2]
+    return bool(nouns) and bool({nouns[-1], nouns[-1].removesuffix("s")} & words)
 
 
 def words_of(asset: Named) -> frozenset[str]:
+    """Return the words for an asset that a term may match."""
     tags = asset.tags if isinstance(asset, Asset) else None
     return _named_by(asset.id, asset.category, tags, asset.description)
 
@@ -156,7 +157,17 @@ def _named_by(
 
 
 def _head(subject: str) -> str:
-    return re.split(r"\b(?:with|of|on|in|from|at|that|which|who)\b", subject, maxsplit=1)[0]
+    return re.split(r"\bof\b", _with_contents(subject), maxsplit=1)[0]
+
+
+def _with_contents(subject: str) -> str:
+    """Return the head of a noun phrase with what it is made of: `group of cars` in `group of cars on a bridge`."""
+    return re.split(r"\b(?:with|on|in|from|at|that|which|who)\b", subject, maxsplit=1)[0]
+
+
+def _reaches_end(mention: Mention, phrase: str) -> bool:
+    """Return whether nothing but a number follows a mention."""
+    return mention.end >= len(phrase.rstrip(" 0123456789"))
 
 
 @cache
@@ -167,7 +178,7 @@ def _index() -> tuple[re.Pattern[str], dict[str, tuple[Thing, bool, str]]]:
             plain = " ".join(re.split(r"[\s-]+", word.casefold()))
             for form, is_plural in (
                 (plain, thing.plural or plain in _PLURAL),
-                (_plural(plain), True),
+                (plural(plain), True),
             ):
                 by_form.setdefault(form, (thing, is_plural, word))
     forms = sorted(by_form, key=lambda form: (-len(form), form))
@@ -175,15 +186,18 @@ def _index() -> tuple[re.Pattern[str], dict[str, tuple[Thing, bool, str]]]:
     return re.compile(rf"(?<![\w-])(?:{joined})(?![\w-])", re.IGNORECASE), by_form
 
 
-def _plural(word: str) -> str:
+def plural(word: str) -> str:
+    """Return the plural of a noun."""
     head, _, last = word.rpartition(" ")
     first, _, rest = word.partition(" of ")
     if rest:
-        return f"{_plural(first)} of {rest}"
+        return f"{plural(first)} of {rest}"
     if last in _UNCHANGED:
         return word
     if last in _IRREGULAR:
         ending = _IRREGULAR[last]
+    elif last.endswith("man") and last not in ("human", "german"):
+        ending = f"{last[:-3]}men"
     elif last.endswith(("s", "x", "ch", "sh")):
         ending = f"{last}es"
     elif last.endswith("y") and last[-2:-1] not in "aeiou":

@@ -3,7 +3,7 @@
 import hashlib
 import json
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence, Sized
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
@@ -23,10 +23,10 @@ from oodscen._json import parse_json
 from oodscen.errors import DataError, Issue
 
 MOST_PARTS = 40
-"""Number of parts of a thing made to order, and of those in a group."""
+"""Maximum number of parts of a thing made to order, and of those in a group."""
 ROUNDING = 1e-9
 """Excess over a limit that is rounding, in the unit of the limit."""
-_MOST_NAME = 80
+_MAX_NAME = 80
 """Length to which a name in the path of an issue is cut, in characters."""
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 else:
 
     class _Constructor(type(BaseModel)):
-        """Lets a direct call of a class raise this library's error, and validation of parts pydantic's."""
+        """Makes a direct call raise `DataError`; validation of nested values keeps raising pydantic's error."""
 
         def __call__(cls, *values: Any, **fields: Any) -> Any:
             try:
@@ -42,7 +42,7 @@ else:
             except ValidationError as error:
                 raise DataError(cls.noun, issues_of(error)) from None
 
-    # `help` takes the docstring of a class with a metaclass from there, and would show the metaclass's.
+    # `help` would show the metaclass's docstring instead of the class's.
     type.__setattr__(_Constructor, "__doc__", type.__dict__["__doc__"])
 
     class _Model(BaseModel, metaclass=_Constructor):
@@ -66,14 +66,16 @@ class Data(Brief, _Model):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     noun: ClassVar[str] = "value"
-    """The words for an instance in error messages; by default those of the class's name."""
+    """The words for an instance in error messages; by default those of the class's name, or of a named base class."""
     _refuses_conversion: ClassVar[bool] = False
     """True if `parse` takes numbers only as numbers, not as texts or truth values."""
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
         if cls.noun == Data.noun and "noun" not in vars(cls):
-            cls.noun = re.sub(r"(?<!^)(?=[A-Z])", " ", cls.__name__.lstrip("_")).lower()
+            cls.noun = re.sub(
+                r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", " ", cls.__name__.lstrip("_")
+            ).lower()
 
     @field_validator("schema_version", mode="before", check_fields=False)
     @classmethod
@@ -92,11 +94,8 @@ class Data(Brief, _Model):
             DataError: With one `Issue` per fault, each with its path.
         """
         try:
-            if cls._refuses_conversion and not isinstance(value, (str, bytes)):
-                with suppress(
-                    TypeError, ValueError, RecursionError
-                ):  # What is no JSON is refused below.
-                    value = json.dumps(value, allow_nan=False)
+            if cls._refuses_conversion and not isinstance(value, (str, bytes, cls)):
+                value = cls._as_json(value, source)
             if isinstance(value, (str, bytes)):
                 parse_json(value)
                 return cls.model_validate_json(value, strict=cls._refuses_conversion or None)
@@ -105,6 +104,21 @@ class Data(Brief, _Model):
             raise DataError(cls.noun, issues_of(error), source=source) from None
         except ValueError as error:
             raise DataError(cls.noun, [Issue("", f"is no JSON: {error}")], source=source) from None
+
+    @classmethod
+    def _as_json(cls, value: object, source: str) -> str:
+        """Return plain data as JSON text, in which a number that is a text stays one.
+
+        Raises:
+            DataError: With pydantic's faults of what has no JSON, or else that it has none.
+        """
+        try:
+            return json.dumps(value, allow_nan=False, default=_as_plain)
+        except (TypeError, ValueError, RecursionError) as error:
+            with suppress(RecursionError):
+                cls.model_validate(value)
+            issue = Issue("", f"cannot be written as JSON: {error}")
+            raise DataError(cls.noun, [issue], source=source) from None
 
     @classmethod
     def load(cls, path: str | Path) -> Self:
@@ -142,9 +156,19 @@ class LeanData(Data):
     def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
         value: dict[str, Any] = serialise(self)
         for name in self._left_out:
-            if not value.get(name) and not isinstance(value.get(name), float):
-                value.pop(name, None)
+            if name in value and _is_empty(value[name]):
+                del value[name]
         return value
+
+
+def _is_empty(value: object) -> bool:
+    return value is None or value is False or (isinstance(value, Sized) and not len(value))
+
+
+def _as_plain(value: object) -> Any:
+    if isinstance(value, BaseModel):
+        return value.model_dump(mode="json")
+    raise TypeError(f"JSON has no {type(value).__name__}")
 
 
 def canonical_json(value: Any) -> str:
@@ -219,14 +243,15 @@ def _overlong(location: tuple[str | int, ...]) -> tuple[str | int, ...] | None:
 
 def below(path: str, issues: Iterable[Issue]) -> list[Issue]:
     """Return the issues of a part as issues of the whole, in which the part has a path."""
-    joints = ("." if path and i.path and not i.path.startswith("[") else "" for i in issues)
-    return [
-        Issue(f"{path}{joint}{i.path}", i.message) for joint, i in zip(joints, issues, strict=True)
-    ]
+    found = []
+    for issue in issues:
+        joint = "." if path and issue.path and not issue.path.startswith("[") else ""
+        found.append(Issue(f"{path}{joint}{issue.path}", issue.message))
+    return found
 
 
 def _brief(name: str) -> str:
-    return name if len(name) <= _MOST_NAME else f"{name[:_MOST_NAME]}..."
+    return name if len(name) <= _MAX_NAME else f"{name[:_MAX_NAME]}..."
 
 
 def dotted(location: Iterable[str | int]) -> str:

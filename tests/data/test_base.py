@@ -4,12 +4,13 @@ import json
 import pickle
 from functools import cached_property
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import Field
 
-from oodscen.data._base import Data, IssuesError, canonical_json, dotted
+from oodscen.data._base import Data, IssuesError, LeanData, below, canonical_json, dotted
 from oodscen.data._catalogue import Asset, BehaviourKind, BehaviourParameter, RoadMap, WeatherRange
 from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._messages import Image, Message
@@ -139,6 +140,57 @@ def test_faults_of_a_whole_are_listed_below_its_place():
         Issue("wholes[0][1]", "b"),
         Issue("wholes[0]", "c"),
     )
+
+
+@given(st.lists(st.sampled_from(["", "a", "[0]", "b.c"])), st.sampled_from(["", "whole"]))
+def test_issues_are_moved_below_a_place_from_any_iterable(paths, place):
+    issues = [Issue(path, "x") for path in paths]
+    assert below(place, iter(issues)) == below(place, issues)
+    assert [len(issue.path) >= len(place) for issue in below(place, issues)] == [True] * len(paths)
+
+
+class Exact(Data):
+    _refuses_conversion = True
+
+    number: float
+    other: Several | None = None
+
+
+@pytest.mark.parametrize("other", [Several(values=(1, 2)), {"values": [1, 2]}, None])
+def test_a_number_as_text_is_refused_whatever_stands_beside_it(other):
+    assert Exact.parse({"number": 8.0, "other": other}).number == 8.0
+    for number in ("8.0", True):
+        with pytest.raises(DataError) as caught:
+            Exact.parse({"number": number, "other": other})
+        assert [issue.path for issue in caught.value.issues] == ["number"]
+
+
+@pytest.mark.parametrize("number", [np.float32(1.0), np.int64(1), np.ones(1), object()])
+def test_what_json_cannot_hold_is_refused(number):
+    with pytest.raises(DataError):
+        Exact.parse({"number": number})
+
+
+class Lean(LeanData):
+    _left_out = ("count", "names", "flag")
+
+    count: int | None = 5
+    names: tuple[str, ...] = ()
+    flag: bool = False
+
+
+@given(st.builds(Lean, count=st.none() | st.integers(), names=st.lists(text).map(tuple)))
+def test_a_number_is_never_left_out(value):
+    assert ("count" in json.loads(value.to_json())) == (value.count is not None)
+    assert ("names" in json.loads(value.to_json())) == bool(value.names)
+    assert value.count is None or Lean.parse(value.to_json()) == value
+
+
+def test_a_noun_keeps_an_acronym_together():
+    class OSIFile(Data): ...
+
+    assert OSIFile.noun == "osi file"
+    assert Lean.noun == "lean"
 
 
 @given(st.binary())

@@ -91,7 +91,7 @@ edits = st.builds(
     round=st.none() | st.integers(0, 5),
     reason=st.sampled_from(["", "because", *HOSTILE, *ADDRESSED]),
     model=st.sampled_from(["", "one", "other"]),
-    undoes=st.none() | st.integers(-1, 6),
+    undoes=st.none() | st.integers(0, 6),
 )
 changes = st.lists(edits, max_size=14)
 

@@ -16,7 +16,7 @@ from oodscen.author._reading.numbers import number_at
 from oodscen.author._reading.phrases import Pattern
 from oodscen.author._reading.stationarity import usual_motion
 from oodscen.author._reading.subjects import nouns_of
-from oodscen.claims._taken_back import ENDED, IN_A_NAME
+from oodscen.claims._cancelled import describes_noun, is_weather_cancelled
 from oodscen.claims._things import Thing, mentions
 from oodscen.data._claim import Claim, Kind
 
@@ -424,7 +424,7 @@ class _ClaimReading:
         if phrases.context("denied").search(lead) or self._is_in_a_name(kind, end):
             return True
         if kind == "weather" and (
-            ENDED.match(after)
+            is_weather_cancelled(after)
             or phrases.context("past").search(lead)
             or phrases.context("to_come").search(lead)
         ):
@@ -440,7 +440,7 @@ class _ClaimReading:
         """Return whether the words up to a position only describe the noun that follows: `night bus`."""
         if kind not in ("weather", "time", "road"):
             return False
-        if IN_A_NAME.match(self.text[end:]):
+        if describes_noun(self.text, end):
             return True
         noun = next((mention for mention in self.mentioned if mention.start > end), None)
         if noun is None or noun.is_plural or (kind == "road" and not _gets_about(noun.thing)):

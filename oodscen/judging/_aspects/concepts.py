@@ -9,7 +9,7 @@ from importlib import resources
 from typing import Any, Literal, get_args
 
 from oodscen._wording import is_left_out
-from oodscen.claims._taken_back import ENDED, IN_A_NAME
+from oodscen.claims._cancelled import describes_noun, is_weather_cancelled
 
 Kind = Literal["odd", "ordinary", "state", "act", "place", "aside"]
 """The kinds of concept; `concepts.toml` explains them."""
@@ -222,12 +222,12 @@ _LINKS = frozenset(
 def _without_past_weather(text: str) -> str:
     """Return a text without weather that is over, or that only describes a thing: a snow plough."""
     return _weather().sub(
-        lambda match: "-" if _is_taken_back(text[match.end() :]) else match.group(0), text
+        lambda match: "-" if _is_cancelled(text, match.end()) else match.group(0), text
     )
 
 
-def _is_taken_back(after: str) -> bool:
-    return bool(ENDED.match(after) or IN_A_NAME.match(after))
+def _is_cancelled(text: str, end: int) -> bool:
+    return is_weather_cancelled(text[end:]) or describes_noun(text, end)
 
 
 @cache

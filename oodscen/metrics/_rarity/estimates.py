@@ -31,10 +31,13 @@ UNTOLD: Final = frozenset[Flag]({"no driving", "language", "far", "impossible", 
 
 _UNUSABLE: Final = frozenset[Flag]({"no driving", "language", "impossible"})
 """Flags of wordings that no rate can be compared with."""
-_NONE: Vectors = np.empty((0, 0), np.float32)
+_NO_VECTORS: Vectors = np.empty((0, 0), np.float32)
 _LONG = 1_000
+"""Characters from which a text is flagged as long."""
 _FEWEST_KNOWN = 0.4
+"""Minimum share of a text's words that the head knows."""
 _RARE = 4.5
+"""Estimate, log10 km, from which a text counts as an event even if the baseline or its words do not show one."""
 _ASCII_LETTER, _LETTER = re.compile(r"[A-Za-z]"), re.compile(r"[^\W\d_]")
 
 
@@ -50,7 +53,7 @@ class TextRarity(Data):
     draws: tuple[float, ...] = ()
     """Answers of a model, one per draw; empty for the offline estimate."""
 
-    @computed_field  # type: ignore[prop-decorator]  # mypy knows no decorated properties
+    @computed_field  # type: ignore[prop-decorator]  # mypy does not support decorators on properties
     @property
     def log10_km(self) -> float | None:
         """The same as `best`."""
@@ -59,9 +62,12 @@ class TextRarity(Data):
     @model_validator(mode="before")
     @classmethod
     def _without_copy(cls, value: Any) -> Any:
-        if isinstance(value, dict):
-            return {name: one for name, one in value.items() if name != "log10_km"}
-        return value
+        if not isinstance(value, dict) or "log10_km" not in value:
+            return value
+        fields = dict(value)
+        if fields.pop("log10_km") != fields.get("best"):
+            raise ValueError("log10_km must equal best")
+        return fields
 
     @model_validator(mode="after")
     def _is_ordered(self) -> "TextRarity":
@@ -110,8 +116,12 @@ class Rarity(Data):
         line += f"; unknown for {self.untold} of {n}" if self.untold else ""
         if not self.input_tokens + self.output_tokens:
             return line
-        cost = "price not known" if self.cost_usd is None else f"{self.cost_usd:.2f} USD"
+        cost = "price not known" if self.cost_usd is None else _money(self.cost_usd)
         return f"{line}; {self.input_tokens + self.output_tokens:,} tokens, {cost}"
+
+
+def _money(usd: float) -> str:
+    return f"{usd:.2f} USD" if usd == 0.0 or usd >= 0.01 else f"{usd:.2g} USD"
 
 
 def gather_rarity(
@@ -120,7 +130,14 @@ def gather_rarity(
     anchors: Sequence[PublishedRate] | None,
     own: Sequence[float],
 ) -> Rarity:
-    """Return the rarity of a set, calibrated if there are anchors, whose own estimates are `own`."""
+    """Return the rarity of a set, calibrated if there are anchors.
+
+    Args:
+        per_text: The rarity of each text.
+        by: The name of what estimated it.
+        anchors: The published rates.
+        own: The estimate of each anchor, in their order.
+    """
     calibration = None if anchors is None else calibrate(anchors, own)
     if calibration is not None:
         per_text = [rarity.calibrated(calibration) for rarity in per_text]
@@ -145,7 +162,7 @@ def estimate_rarity(
     for place, text in enumerate(texts):
         flags = _flags(text, head, estimates, place)
         is_refused = place in off_topic and estimates.best[place] < _RARE
-        if "language" not in flags and (is_refused or not names_road(text)):
+        if is_refused and not {"language", "no driving"} & set(flags):
             flags.append("no driving")
         values = (estimates.low[place], estimates.best[place], estimates.high[place])
         low, best, high = (
@@ -160,14 +177,14 @@ def estimate_rarity(
 def estimated_km(encoder: Encoder | None, text: str) -> float | None:
     """Return the kilometres between two meetings with a text's kind by the offline head, two digits.
 
-    Without an encoder the head uses stems alone.
+    Without an encoder the head uses stems alone. No baseline is asked whether the text is about driving.
 
     Returns:
-        `None` if a flag in `UNTOLD` applies.
+        `None` if a flag in `UNTOLD` applies by the text's own words.
     """
     name = "" if encoder is None else encoder.name
     head, estimates, _ = estimated(
-        name, [text], lambda said: unit(encode(encoder, said)) if encoder else _NONE
+        name, [text], lambda said: unit(encode(encoder, said)) if encoder else _NO_VECTORS
     )
     if UNTOLD & set(_flags(text, head, estimates, 0)):
         return None
@@ -185,7 +202,9 @@ def anchor_estimates(space: "BaselineSpace", anchors: Sequence[PublishedRate]) -
     faults = [
         Issue("texts", f"{cut(text)!r} cannot be estimated: {flags[0]}")
         for place, text in enumerate(wordings)
-        if (flags := sorted(_UNUSABLE & set(_flags(text, head, estimates, place))))
+        if (
+            flags := sorted(_UNUSABLE & set(_flags(text, head, estimates, place, needs_road=False)))
+        )
     ]
     if faults:
         raise DataError("rates", faults)
@@ -193,7 +212,9 @@ def anchor_estimates(space: "BaselineSpace", anchors: Sequence[PublishedRate]) -
     return [float(np.mean([next(best) for _ in rate.texts])) for rate in anchors]
 
 
-def _flags(text: str, head: Head, found: Estimates, place: int) -> list[Flag]:
+def _flags(
+    text: str, head: Head, found: Estimates, place: int, *, needs_road: bool = True
+) -> list[Flag]:
     """Return the faults of a text that its words, and a head's estimate of it, show."""
     flags: list[Flag] = []
     letters = len(_LETTER.findall(text))
@@ -202,6 +223,8 @@ def _flags(text: str, head: Head, found: Estimates, place: int) -> list[Flag]:
         flags.append("no driving")
     elif found.known[place] < _FEWEST_KNOWN or len(_ASCII_LETTER.findall(text)) < 0.8 * letters:
         flags.append("language")
+    elif needs_road and not names_road(text):
+        flags.append("no driving")
     if is_impossible(text):
         flags.append("impossible")
     if len(text) > _LONG:

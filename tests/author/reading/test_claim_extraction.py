@@ -216,9 +216,40 @@ def test_what_is_denied_with_more_words_or_comes_later_is_no_claim(text):
 
 
 @pytest.mark.parametrize(
+    ("weather", "rest"),
+    [
+        ("thick fog", "traffic has stopped on the motorway"),
+        ("thick fog", "the traffic has stopped on the motorway"),
+        ("heavy rain", "cars have stopped ahead"),
+        ("heavy snow", "drivers have cleared the lane"),
+        ("thick fog", "crews clear the lane"),
+    ],
+)
+def test_weather_goes_on_when_others_stop_in_it(weather, rest):
+    kept = f"weather {weather.replace(' ', '_')}"
+    assert kept in told(f"In {weather} {rest}.")
+    assert kept not in told(f"The {weather} has cleared.")
+
+
+@pytest.mark.parametrize("several", ["buses", "taxis", "trams", "guards", "patrols", "watchmen"])
+def test_several_are_named_after_an_hour_unless_they_act_in_it(several):
+    assert "time night" not in told(f"The ego meets night {several} in the city.")
+    assert "time night" in told(f"At night {several} wait in the city.")
+
+
+@pytest.mark.parametrize(
+    "work", ["maintenance continues ahead", "maintenance vehicles wait", "inspection takes place"]
+)
+def test_a_road_with_works_is_claimed(work):
+    assert "road tunnel" in told(f"In the tunnel {work}.")
+
+
+@pytest.mark.parametrize(
     "name",
     [
         "night bus",
+        "night owl",
+        "car with snow tires",
         "Saturday night taxi",
         "night watchman",
         "midnight express coach",

@@ -191,6 +191,14 @@ WEATHER = {
 
 @given(
     st.sampled_from(sorted(WEATHER)),
+    st.sampled_from(["traffic has stopped", "drivers have cleared the lane", "cars had passed"]),
+)
+def test_weather_in_which_others_stop_is_named(said, event):
+    assert names_aspect(f"in {said} {event}", ("OOD", WEATHER[said]))
+
+
+@given(
+    st.sampled_from(sorted(WEATHER)),
     st.sampled_from(
         [
             "the {} has cleared",

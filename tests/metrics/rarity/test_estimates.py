@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from oodscen import Metrics
 from oodscen.errors import DataError
 from oodscen.metrics._rarity.anchors import PublishedRate
-from oodscen.metrics._rarity.estimates import UNTOLD, Rarity, TextRarity
+from oodscen.metrics._rarity.estimates import UNTOLD, Rarity, TextRarity, estimated_km
 from oodscen.testing._encoder import HashEncoder
 
 METRICS = Metrics(HashEncoder(64), ["A car waits at the light.", "A van drives ahead."])
@@ -50,6 +50,16 @@ def test_what_cannot_be_told_has_no_figure(text, flag):
     found = one(text)
     assert flag in found.flags
     assert found.best is found.low is found.high is found.log10_km is None
+    assert estimated_km(None, text) is None
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["The moon orbits the earth in four weeks.", "She plays the piano every single morning."],
+)
+def test_without_a_baseline_a_text_must_name_a_road_to_get_a_figure(text):
+    assert estimated_km(None, text) is None
+    assert estimated_km(None, f"{text[:-1]} beside the road.") is not None
 
 
 def test_long_texts_and_several_events_keep_their_figure_and_are_flagged():
@@ -84,9 +94,25 @@ def test_a_band_of_rarity_leaves_out_what_cannot_be_told():
     assert found.below == 1
 
 
-def test_disordered_figures_are_refused():
+@pytest.mark.parametrize(
+    "figures",
+    [
+        {"low": 5.0, "best": 4.0, "high": 6.0},
+        {"log10_km": 5.0},
+        {"low": 1.0, "best": 2.0, "high": 3.0, "log10_km": 9.0},
+    ],
+)
+def test_figures_that_contradict_each_other_are_refused(figures):
     with pytest.raises(DataError):
-        TextRarity.parse({"low": 5.0, "best": 4.0, "high": 6.0})
+        TextRarity.parse(figures)
+
+
+@pytest.mark.parametrize(
+    ("usd", "shown"), [(0.0, "0.00"), (0.004, "0.004"), (0.012, "0.01"), (3.456, "3.46")]
+)
+def test_a_cost_below_a_cent_is_shown(usd, shown):
+    told = METRICS.rarity(["A red light."]).model_copy(update={"input_tokens": 1, "cost_usd": usd})
+    assert str(told).endswith(f" {shown} USD")
 
 
 @pytest.mark.parametrize("texts", [None, 3.0, "one string", b"bytes", [None], [3.0], [], [" "]])

@@ -1,0 +1,55 @@
+"""Words that follow a mention of weather, an hour or a road and cancel it, for readers of claims and of open answers."""
+
+import re
+from collections.abc import Iterable
+
+from oodscen.claims._things import plural
+
+_AFTER_WEATHER = "storms?|showers?|clouds?|banks?|falls?|covers?|spells?|fronts?|that|which|just|finally|already|now"
+_ENDED = re.compile(
+    rf"^ (?:(?:{_AFTER_WEATHER}) )?(?:has|have|had) (?:just |finally |already |now )?"
+    r"(?:stopped|ceased|ended|passed|lifted|cleared|gone|let up)\b"
+    r"|^ (?:stopped|ceased|(?:is|are) (?:over|gone)|earlier|of the (?:night|day) before|warning|forecast)\b",
+    re.IGNORECASE,
+)
+_USED_IN_WEATHER = re.compile(
+    r"^[ -](?:t[iy]res?|coats?|boots|ploughs?|plows?|chains?|blowers?|fences?|lamps?|lights?(?! up)|horns?)\b",
+    re.IGNORECASE,
+)
+_OBJECTS = "barrels? butts? jackets? gauges? ponchos? lamp shifts? clubs? express".split()
+_ACTORS = "bus taxi train tram owl watchman guard porter nurse patrol crew".split()
+_SERVING = "vehicle car van lorry truck train boat engine helicopter convoy drone robot team crew gang party unit worker".split()
+"""Nouns for those that maintain, inspect, survey or clean a road, or rescue people there."""
+
+
+def _described(nouns: Iterable[str], serving: Iterable[str]) -> re.Pattern[str]:
+    services = "maintenance|inspection|rescue|survey|cleaning"
+    return re.compile(
+        rf"^[ -](?:{'|'.join(nouns)}|(?:{services}) (?:{'|'.join(serving)}))(?![\w-])",
+        re.IGNORECASE,
+    )
+
+
+_ONE = _described([*_OBJECTS, *_ACTORS], _SERVING)
+_SEVERAL = _described(map(plural, _ACTORS), map(plural, _SERVING))
+_CIRCUMSTANCE = re.compile(
+    r"\b(?:at|by|in|on|under|during|through|amid|despite)(?: (?!with\b|of\b)[\w-]+){1,3}$",
+    re.IGNORECASE,
+)
+
+
+def is_weather_cancelled(after: str) -> bool:
+    """Return whether weather is over, announced, or names a thing used in it, by the words after it: `snow plough`."""
+    return bool(_ENDED.match(after) or _USED_IN_WEATHER.match(after))
+
+
+def describes_noun(text: str, end: int) -> bool:
+    """Return whether the weather, road or hour up to a position only describes the next noun: `night watchman`.
+
+    Several who act may also be the subject of a clause of their own, as in "At night buses stop here".
+    """
+    after = text[end:]
+    if _ONE.match(after):
+        return True
+    is_circumstance = _CIRCUMSTANCE.search(text[max(0, end - 80) : end]) is not None
+    return _SEVERAL.match(after) is not None and not is_circumstance
