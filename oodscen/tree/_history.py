@@ -89,12 +89,17 @@ def undo_round(tree: "ScenarioTree", round: int, *, origin: str = "") -> "Scenar
 
 
 def undone_edits(edits: Sequence[TreeEdit]) -> set[int]:
-    """Return the positions of the edits that are currently undone; an undone undo does not count."""
+    """Return the positions of the edits that are currently undone; an undone undo does not count.
+
+    An edit is undone by one of its own node; those of other nodes that an undo needs refer to it, too.
+    """
     undone: set[int] = set()
     for index in range(len(edits) - 1, -1, -1):
-        takes_back = edits[index].undoes
-        if takes_back is not None and index not in undone:
-            undone.add(takes_back)
+        earlier = edits[index].undoes
+        if earlier is None or index in undone:
+            continue
+        if edits[earlier].node == edits[index].node:
+            undone.add(earlier)
     return undone
 
 

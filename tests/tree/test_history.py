@@ -212,3 +212,15 @@ def test_an_edit_whose_undoing_was_undone_is_in_force_again():
     assert again.nodes == tree.nodes
     assert not again.provenance("fog").later[0].is_undone
     assert again.undo().edits[-1].undoes == last
+
+
+def test_an_edit_is_undone_by_one_of_its_own_node_only():
+    tree = ScenarioTree.initial()
+    added = next(index for index, edit in enumerate(tree.edits) if edit.node == "environmental")
+    odd = tree.apply(
+        TreeEdit(op="add", node="fog", parent="environmental", label="Dense fog", undoes=added)
+    )
+    assert not odd.provenance("environmental").origin.is_undone
+    gone = odd.undo(added)
+    assert "environmental" not in gone
+    assert gone.provenance("environmental").origin.is_undone
