@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from filelock import FileLock, Timeout
-
+from oodscen import _flock
 from oodscen._files import read_bytes
 from oodscen._redaction import redact
 from oodscen.errors import InUse, StudyError
@@ -32,7 +31,7 @@ class _Hold:
     """A lock that this process holds."""
 
     thread: int
-    lock: FileLock
+    descriptor: int
     depth: int = 1
     """Number of times that the owning thread holds the lock."""
 
@@ -73,14 +72,15 @@ def locked(path: Path, what: str, *, wait_s: float = _GRACE_S) -> Iterator[None]
     finally:
         with _guard:
             hold.depth -= 1
-            is_last = not hold.depth
+            # A forked process leaves the lock to its parent.
+            is_last = not hold.depth and _holds.get(file) is hold
             if is_last:
                 del _holds[file]
         if is_last:
             # Delete before release: a process waiting on the old file then sees that it is gone.
             with suppress(OSError):
                 file.unlink(missing_ok=True)
-            hold.lock.release()
+            _flock.release(hold.descriptor)
 
 
 def lock_file(path: Path) -> Path:
@@ -89,27 +89,26 @@ def lock_file(path: Path) -> Path:
     return path / NAME if path.is_dir() else path.with_name(f".{path.name}{NAME}")
 
 
-def _taken(file: Path, path: Path, what: str, wait_s: float) -> FileLock:
-    # On a file system without locks, a plain marker file would outlive a killed process.
-    lock = FileLock(
-        file, timeout=wait_s, poll_interval=0.02, fallback_to_soft=False, thread_local=False
-    )
+def _taken(file: Path, path: Path, what: str, wait_s: float) -> int:
+    """Return the descriptor of the lock, whose file names this process."""
     if os.path.isfile(file) and os.path.getsize(file) and _read(file) == _UNKNOWN:
         raise StudyError(f"{file} is not a lock file of oodscen: move it away")
     is_new = not os.path.lexists(file)
+    descriptor = None
     try:
-        lock.acquire()
-        file.write_text(json.dumps(_holder()) + "\n", encoding="utf-8")
-    except Timeout:
-        raise InUse(str(path), what, *_read(file)) from None
+        descriptor = _flock.acquire(file, wait_s)
+        if descriptor is not None:
+            file.write_text(json.dumps(_holder()) + "\n", encoding="utf-8")
+            return descriptor
     except OSError as error:
         with suppress(OSError):
-            if lock.is_locked or (is_new and not file.stat().st_size):
+            if descriptor is not None or (is_new and not file.stat().st_size):
                 file.unlink()
-        lock.release(force=True)
+        if descriptor is not None:
+            _flock.release(descriptor)
         reason = error.strerror or str(error)
         raise StudyError(f"cannot lock {path} for writing: {reason}") from error
-    return lock
+    raise InUse(str(path), what, *_read(file))
 
 
 def _holder() -> dict[str, str | int]:
@@ -133,3 +132,13 @@ def _read(file: Path) -> tuple[str, str]:
         return holder, str(said["since"])
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return _UNKNOWN
+
+
+def _forget() -> None:
+    """Forget the locks in a forked process: they are its parent's."""
+    global _guard
+    _guard = threading.Lock()
+    _holds.clear()
+
+
+os.register_at_fork(after_in_child=_forget)

@@ -150,3 +150,65 @@ def test_the_holder_is_called_by_the_name_of_its_program(tmp_path, monkeypatch):
         monkeypatch.setattr("sys.argv", [program, "run", "out"])
         with locked(tmp_path, "study"):
             assert json.loads(lock_file(tmp_path).read_text())["command"] == "oodscen run out"
+
+
+FORKER = """
+import os, sys
+from pathlib import Path
+from oodscen._lock import locked
+
+with locked(Path(sys.argv[1]), "study"):
+    if os.fork():
+        if sys.argv[2] == "dies":
+            os._exit(0)
+        os.wait()
+        print(os.listdir(sys.argv[1]), flush=True)
+    elif sys.argv[2] == "dies":
+        print("forked", flush=True)
+        sys.stdin.readline()
+"""
+
+
+def forking(path: Path, parent: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-c", FORKER, str(path), parent],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+
+
+def test_a_forked_process_holds_no_lock_of_its_parent_that_died(tmp_path):
+    parent = forking(tmp_path, "dies")
+    assert parent.stdout.readline() == "forked\n"
+    parent.wait()
+    with locked(tmp_path, "study"):
+        pass
+    parent.communicate("\n")
+
+
+def test_a_forked_process_that_leaves_the_block_leaves_the_lock(tmp_path):
+    said, _ = forking(tmp_path, "lives").communicate()
+    assert said == f"['{lock_file(tmp_path).name}']\n"
+
+
+def test_threads_may_fork_while_a_lock_is_held(tmp_path):
+    program = """
+import os, sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from oodscen._lock import locked
+
+def fork(_):
+    child = os.fork()
+    if not child:
+        os._exit(0)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+with locked(Path(sys.argv[1]), "study"), ThreadPoolExecutor(4) as threads:
+    print(sum(threads.map(fork, range(40))))
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program, str(tmp_path)], capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "0\n"

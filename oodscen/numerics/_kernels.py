@@ -22,6 +22,8 @@ from typing import Any, Generic, ParamSpec, Protocol, TypeVar, get_args
 
 import numpy as np
 
+from oodscen import _flock
+
 P = ParamSpec("P")
 R = TypeVar("R")
 Function = TypeVar("Function", bound=Callable[..., object])
@@ -132,19 +134,18 @@ def _alone(compiled: Any, name: str) -> Iterator[None]:
 
     There is no lock where numba caches or compiles nothing.
     """
-    from filelock import FileLock, Timeout
-
     folder = compiled.stats.cache_path if hasattr(compiled, "stats") else None
     if folder is None:
         yield
         return
-    lock = FileLock(Path(folder, f"{name}.lock"), timeout=_PATIENCE_S, fallback_to_soft=False)
-    with suppress(OSError, NotImplementedError, Timeout):
-        lock.acquire()
+    descriptor = None
+    with suppress(OSError):
+        descriptor = _flock.acquire(Path(folder, f"{name}.lock"), _PATIENCE_S)
     try:
         yield
     finally:
-        lock.release()
+        if descriptor is not None:
+            _flock.release(descriptor)
 
 
 def _compiled(function: Callable[P, R], name: str) -> Any:

@@ -5,9 +5,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from filelock import FileLock
-
 from oodscen import Study, StudyConfig
+from oodscen._lock import locked
 from oodscen._pipeline import run_study
 from oodscen.data._episode import Episode
 from oodscen.data._verdict import Verdict
@@ -55,7 +54,7 @@ def rewrite(folder: Path, name: str, rows: Iterable[Mapping[str, Any]]) -> None:
 
 def finished(config: StudyConfig, folder: Path) -> Path:
     """Return a folder with the finished study, which the first process that asks for it runs."""
-    with FileLock(f"{folder}.lock"):
+    with locked(folder.with_name(f"{folder.name}.run"), "quick study", wait_s=600):
         if not folder.exists():
             part = folder.with_name(f"{folder.name}.part")
             run_study(part, config)
