@@ -98,15 +98,13 @@ class _OfAMessage(type):
 
 def _needs_more(kind: type) -> bool:
     """Return whether a class of errors needs more than one argument."""
-    known = inspect.signature(kind).parameters.values()
     variadic = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
-    return (
-        sum(
-            parameter.default is parameter.empty and parameter.kind not in variadic
-            for parameter in known
-        )
-        > 1
-    )
+    required = [
+        parameter
+        for parameter in inspect.signature(kind).parameters.values()
+        if parameter.default is parameter.empty and parameter.kind not in variadic
+    ]
+    return len(required) > 1
 
 
 class OodscenError(Exception, metaclass=_OfAMessage):

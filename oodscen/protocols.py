@@ -78,6 +78,10 @@ class Usage(Data):
     """`None` if the price is unknown."""
 
 
+InsteadOfText = Literal["a tool call", "reasoning"]
+"""The part of a response that can stand in place of a text."""
+
+
 class Completion(Data):
     """A language model's response to one request."""
 
@@ -88,8 +92,8 @@ class Completion(Data):
     """HTTP requests made for this completion, including retries; 0 for a model that makes none."""
     is_cut_off: bool = False
     """True if the text ends because a limit on its length was reached."""
-    instead: Literal["a tool call", "reasoning"] | None = None
-    """The part of the response that stood in place of a text, if there was one and no text."""
+    instead: InsteadOfText | None = None
+    """The part of the response that stood in place of a text, if there was none."""
 
     @field_validator("text")
     @classmethod

@@ -216,7 +216,7 @@ def init(
             vlms = tuple(filter(None, map(str.strip, named.split(","))))
         if quick is None:
             quick = click.confirm("A small study in seconds instead of the whole one?")
-    for named in (*(() if llm is None else (llm,)), *vlms):
+    for named in (name for name in (llm, *vlms) if name is not None):
         if (fault := text_fault(named)) or not named.strip() or one_line(named) != named:
             raise UsageError(f"the model {fault or f'has the unusable name {named[:100]!r}'}")
         refuse_key("the model", named)

@@ -267,15 +267,15 @@ def import_(
     failed = 0
     for path in files:
         try:
-            scene = read_openscenario(
+            imported = read_openscenario(
                 path, catalogue, road=road, hazards=hazards, ego=ego, llm=model
             )
         except OodscenError as error:
             say(str(error), err=True)
             failed += 1
             continue
-        say(scene.scene.to_json())
-        for issue in scene.omissions:
+        say(imported.scene.to_json())
+        for issue in imported.omissions:
             say(f"{path}: {issue}", err=True)
     sys.exit(bool(failed))
 

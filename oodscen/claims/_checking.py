@@ -157,7 +157,7 @@ def _settle(
     """Assign subjects of one name to actors so that the fewest claims fail."""
     thing = thing_named(next(iter(subjects)))
     fitting = list(dict.fromkeys(actor for name in subjects for actor in roles[name].fitting))
-    fitting.sort(key=lambda actor: actor.actor)
+    fitting.sort(key=lambda seen: seen.actor)
     scenery = {name: _is_scenery(name, roles[name], thing, road) for name in subjects}
     # A signal that is placed replaces the map's own.
     is_signal = thing is not None and thing.group == "signal"

@@ -71,14 +71,11 @@ def ask(
     for attempt in range(1, attempts + 1):
         completion = complete(llm, Request(prompt, messages, schema, sample, attempt))
         raw = heard(completion.text)
-        answer, issues = (
-            None,
-            incompleteness(raw, is_cut_off=completion.is_cut_off, instead=completion.instead),
-        )
+        issues = incompleteness(raw, is_cut_off=completion.is_cut_off, instead=completion.instead)
         if not issues:
             answer, issues = read(raw) if read else read_answer(raw, kind, checks)
-        if answer is not None:
-            return answer
+            if answer is not None:
+                return answer
         messages = (*question, *repair(raw, issues))
     raise AnswerError(llm.name, prompt.purpose, issues, raw, attempts)
 

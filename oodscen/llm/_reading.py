@@ -95,8 +95,8 @@ def _nearest_faults(others: Sequence[_Reading[Answer]], said: str) -> list[Issue
 def _rivals(answers: Sequence[_Reading[Answer]]) -> list[Issue]:
     """Return the fault that answers differ."""
     different: list[Answer | None] = []
-    for answer in answers:
-        different += [answer.answer] if answer.answer not in different else []
+    for reading in answers:
+        different += [reading.answer] if reading.answer not in different else []
     if len(different) == 1:
         return []
     return [Issue("", f"it holds {len(different)} different answers; give one")]

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from io import FileIO
 from pathlib import Path
-from typing import BinaryIO, ClassVar, Literal, NamedTuple
+from typing import BinaryIO, ClassVar, NamedTuple
 
 from pydantic import Field
 
@@ -24,7 +24,7 @@ from oodscen._redaction import redact_keys
 from oodscen.data._base import LeanData, digest
 from oodscen.data._messages import Message
 from oodscen.errors import DataError, Issue, StudyError, UsageError
-from oodscen.protocols import Completion, Request, Usage
+from oodscen.protocols import Completion, InsteadOfText, Request, Usage
 
 SHOWN = 60
 """Number of characters quoted from each of two texts where they first differ."""
@@ -60,7 +60,7 @@ class Exchange(LeanData):
     """HTTP requests, retries included."""
     is_cut_off: bool = False
     """`Completion.is_cut_off`."""
-    instead: Literal["a tool call", "reasoning"] | None = None
+    instead: InsteadOfText | None = None
     """`Completion.instead`."""
 
     @classmethod

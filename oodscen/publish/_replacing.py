@@ -90,8 +90,8 @@ def _earlier(folder: Path) -> set[str]:
     Raises:
         UsageError: If one of them was changed since.
     """
-    told = _told(folder / SUMS)
-    for name, digest in told.items():
+    earlier = _hashes(folder / SUMS)
+    for name, digest in earlier.items():
         path = folder / name
         is_whole = path.is_file() and not path.is_symlink()
         if os.path.lexists(path) and not (is_whole and file_sha256(path).hex() == digest):
@@ -99,18 +99,18 @@ def _earlier(folder: Path) -> set[str]:
                 f"{path} was changed since it was published; nothing is overwritten: move it away, "
                 "or choose another folder"
             )
-    coming = _told(folder / _PART / SUMS)
-    return {*told, *coming, SUMS} if told or coming else set()
+    coming = _hashes(folder / _PART / SUMS)
+    return {*earlier, *coming, SUMS} if earlier or coming else set()
 
 
-def _told(sums: Path) -> dict[str, str]:
-    """Return names and hashes in the sums of a data set; empty for sums of other kinds."""
+def _hashes(sums: Path) -> dict[str, str]:
+    """Return the hashes in the sums of a data set by the names of their files; empty for sums of other kinds."""
     if not sums.exists():
         return {}
     lines = read_regular(sums, "data set").decode("utf-8", "replace").splitlines()
     matches = [_LINE.fullmatch(line) for line in lines]
-    told = {match["name"]: match["digest"] for match in matches if match}
-    return told if all(matches) and CARD in told else {}
+    hashes = {match["name"]: match["digest"] for match in matches if match}
+    return hashes if all(matches) and CARD in hashes else {}
 
 
 def _move(part: Path, folder: Path, earlier: set[str]) -> None:

@@ -36,7 +36,7 @@ def made_for(study: "Study") -> dict[tuple[str, ...], MadeToOrder]:
     """Return what was made for the leaves that were kept, by the path of the leaf."""
     store = study.store
     lines = [MadeProp.parse(line, source=ASSETS) for line in store.lines(ASSETS)]
-    props = {prop.id: prop.prop for prop in lines if prop.prop is not None}
+    props = {made.id: made.prop for made in lines if made.prop is not None}
     motions = made_motions(store.lines(MOTIONS))
     if not props and not motions:
         return {}

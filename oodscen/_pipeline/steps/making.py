@@ -61,7 +61,7 @@ def with_made(
     wanted = {one.name: one for one in wanted_things(tree, judgements, catalogue)}
     rows = _made(run, ASSETS, judgements, wanted, maker.make)
     things = _drawn(run, maker, [MadeProp.parse(row, source=ASSETS) for row in rows])
-    props = {prop.id: prop.prop for prop in things if prop.prop is not None}
+    props = {thing.id: thing.prop for thing in things if thing.prop is not None}
     motions = _made_motions(run, tree, judgements)
     _refuse_lost(run, judgements)
     if not props and not motions:

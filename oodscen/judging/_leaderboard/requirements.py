@@ -83,8 +83,8 @@ class RequirementResult(Data):
 
     def __str__(self) -> str:
         listing = ", ".join(
-            f"{bar.bar.figure} {'-' if bar.share is None else f'{bar.share:.1%}'}"
-            for bar in self.bars
+            f"{result.bar.figure} {'-' if result.share is None else f'{result.share:.1%}'}"
+            for result in self.bars
         )
         return f"{self.name}: {self.words} ({listing})"
 

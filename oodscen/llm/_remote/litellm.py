@@ -5,7 +5,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any
 from urllib.parse import urlsplit
 
 from oodscen._arguments import instance_of
@@ -23,7 +23,7 @@ from oodscen.llm._remote.offline import SWITCH, is_loopback, is_offline
 from oodscen.llm._remote.sdk import json_ability, known_price, load_litellm, own_settings, resolve
 from oodscen.llm._remote.usage import count, estimate_tokens, plausible_usage
 from oodscen.llm._remote.wire import provider_seed, wire_message
-from oodscen.protocols import Completion, Request, Usage
+from oodscen.protocols import Completion, InsteadOfText, Request, Usage
 
 NO_KEY = "none"
 """The key sent to a custom address if no key is set; such servers seldom require one."""
@@ -349,7 +349,7 @@ _CUT_OFF = frozenset(
 """Servers' own words for an answer that did not come to its end."""
 
 
-def _in_place_of_text(message: Any) -> Literal["a tool call", "reasoning"] | None:
+def _in_place_of_text(message: Any) -> InsteadOfText | None:
     if getattr(message, "tool_calls", None) or getattr(message, "function_call", None):
         return "a tool call"
     return "reasoning" if getattr(message, "reasoning_content", None) else None

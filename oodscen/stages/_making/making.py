@@ -167,7 +167,7 @@ class PropMaker:
             return [Issue("prop.parts", fault) for fault in seen.look.faults]
         taken_for = self.recogniser.mistakes(prop, seen)
         verdict = f"{'not ' if taken_for else ''}named by {self.recogniser.name}"
-        is_first = not any(look.look.taken_for for look in looks.values())
+        is_first = not any(shown.look.taken_for for shown in looks.values())
         looks[prop.digest()] = seen.judged(verdict, taken_for)
         if not (taken_for and is_first):
             return []
