@@ -17,6 +17,8 @@ from oodscen.encoders._check import check_embeddings
 from oodscen.errors import EncoderError, MissingExtra
 
 _WEIGHTS = ("*.safetensors", "pytorch_model*.bin")
+_SETTINGS = ("*.json", "*.txt", "*.model")
+"""The tokenizer's files and the configuration, which determine the values as the weights do."""
 
 
 class SentenceTransformerEncoder(Brief):
@@ -27,9 +29,11 @@ class SentenceTransformerEncoder(Brief):
     Args:
         model_name_or_path: A folder that holds a model, or a model's name on the hub.
         revision: Commit or tag of a hub model; without it, the name does not determine the values.
-        device: `cpu`, `cuda`, ...; by default the CPU, whose values are reproducible.
+        device: `cpu`, `cuda`, ...; by default the CPU, whose values are reproducible. A GPU changes
+            the values by up to about 3e-5, so its device is part of the name.
         batch_size: Texts per forward pass. With 1 a text's vector does not depend on the texts
-            encoded with it; larger batches are faster and change the last bits (about 2e-7).
+            encoded with it; larger batches are faster and change the last bits (about 2e-7), so the
+            size is part of the name.
     """
 
     _repr_fields: ClassVar[tuple[str, ...]] = ("_source", "_device")
@@ -59,14 +63,21 @@ class SentenceTransformerEncoder(Brief):
 
     @property
     def name(self) -> str:
-        """The folder's name with the hash of its weights, or the hub's name with the revision."""
+        """The folder's name with the hash of its model, or the hub's name with the revision.
+
+        A device other than the CPU and a batch of several texts follow: `all-mpnet@1f2e3d4c5b6a+cuda+batch64`.
+        """
         if self._name is None:
-            if self._is_local:
-                folder = Path(self._source)
-                self._name = f"{folder.name}@{_weights_sha256(folder)[:12]}"
-            else:
-                self._name = f"{self._source}@{self._revision}" if self._revision else self._source
+            device = "" if self._device == "cpu" else f"+{self._device}"
+            batch = "" if self._batch_size == 1 else f"+batch{self._batch_size}"
+            self._name = f"{self._model_name()}{device}{batch}"
         return self._name
+
+    def _model_name(self) -> str:
+        if self._is_local:
+            folder = Path(self._source)
+            return f"{folder.name}@{_sha256(folder)[:12]}"
+        return f"{self._source}@{self._revision}" if self._revision else self._source
 
     @property
     def cacheable(self) -> bool:
@@ -152,11 +163,14 @@ def _quiet_loading() -> Iterator[None]:
             logging.enable_progress_bar()
 
 
-def _weights_sha256(folder: Path) -> str:
-    files = sorted(file for pattern in _WEIGHTS for file in folder.rglob(pattern))
-    if not files:
+def _sha256(folder: Path) -> str:
+    """Return the hash of a model's weights, tokenizer and settings, wherever the folder stands."""
+    weights = sorted(file for pattern in _WEIGHTS for file in folder.rglob(pattern))
+    if not weights:
         raise EncoderError(f"{folder} holds no weights ({' or '.join(_WEIGHTS)})")
+    settings = sorted(file for pattern in _SETTINGS for file in folder.rglob(pattern))
     total = hashlib.sha256()
-    for file in files:
+    for file in (*weights, *settings):
+        total.update(str(file.relative_to(folder)).encode())
         total.update(file_sha256(file))
     return total.hexdigest()

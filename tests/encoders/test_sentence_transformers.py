@@ -1,3 +1,7 @@
+import os
+import shutil
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -31,3 +35,24 @@ def test_a_folder_without_a_model_is_an_encoder_error(tmp_path):
         _ = encoder.name
     with pytest.raises(EncoderError):
         encoder.encode(["text"])
+
+
+def test_the_name_tells_apart_what_changes_the_values(tmp_path):
+    packaged = Path(minilm.packaged())
+    linked = shutil.copytree(packaged, tmp_path / packaged.name, copy_function=os.symlink)
+    same = SentenceTransformerEncoder(linked).name
+    assert same == SentenceTransformerEncoder(packaged).name
+
+    tokenizer = linked / "tokenizer.json"
+    content = tokenizer.read_bytes()
+    tokenizer.unlink()
+    tokenizer.write_bytes(content + b"\n")
+    names = {
+        same,
+        SentenceTransformerEncoder(linked).name,
+        SentenceTransformerEncoder(packaged, device="cuda").name,
+        SentenceTransformerEncoder(packaged, batch_size=64).name,
+        SentenceTransformerEncoder(packaged, device="cuda", batch_size=64).name,
+    }
+    assert len(names) == 5
+    assert same + "+cuda+batch64" in names
