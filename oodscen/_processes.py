@@ -22,6 +22,7 @@ from pathlib import Path
 from types import FrameType, TracebackType
 from typing import Any, ParamSpec, TypeVar
 
+from oodscen._interrupts import raise_until_handled, unreported
 from oodscen.errors import OodscenError, RunStopped, UsageError
 
 Parameters = ParamSpec("Parameters")
@@ -269,8 +270,9 @@ def serve(connection: Connection) -> None:
         signal.signal(signal.SIGTERM, _leave)
         threading.Thread(target=_listen, args=(connection, calls), daemon=True).start()
         connection.send(None)
-        while True:
-            connection.send_bytes(_answer(calls.get()))
+        with unreported(KeyboardInterrupt):
+            while True:
+                connection.send_bytes(_answer(calls.get()))
     except KeyboardInterrupt:
         pass
     except OSError:  # Nobody takes the answer.
@@ -286,7 +288,7 @@ def _end_group() -> None:
 def _leave(number: int, frame: FrameType | None) -> None:
     """Interrupt the running call, once."""
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
-    raise KeyboardInterrupt
+    raise_until_handled(KeyboardInterrupt)
 
 
 def _listen(connection: Connection, calls: "queue.SimpleQueue[bytes]") -> None:

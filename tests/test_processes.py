@@ -108,6 +108,32 @@ def test_an_interruption_ends_what_is_under_way_and_drops_the_rest(begun):
         os.kill(pid, 0)
 
 
+IN_A_CALLBACK = """
+import ctypes, time
+from pathlib import Path
+
+def wait(tell=tell, sleep=time.sleep):
+    tell()
+    sleep(600)
+
+try:
+    ctypes.CFUNCTYPE(None)(wait)()
+    time.sleep(600)
+finally:
+    Path({left!r}).touch()
+"""
+
+
+def test_an_interruption_that_a_callback_drops_comes_again(begun, tmp_path, capfd):
+    left = tmp_path / "left"
+    with suppress(KeyboardInterrupt), Processes(1) as pool:
+        pool.submit(exec, telling(begun, IN_A_CALLBACK.format(left=str(left))))
+        begun.read_text()
+        raise KeyboardInterrupt
+    assert left.exists()
+    assert capfd.readouterr().err == ""
+
+
 LEAVING_ONE = """
 import subprocess
 child = subprocess.Popen(["sleep", "600"])

@@ -38,6 +38,7 @@ from oodscen._cli import (
 from oodscen._cli.groups import CommandGroup
 from oodscen._cli.help import COMMANDS, sections_of
 from oodscen._cli.output import drop_output, say, shortened
+from oodscen._interrupts import raise_until_handled, unreported
 from oodscen._processes import ending_children
 from oodscen._redaction import redact
 from oodscen._text import printable, text_fault
@@ -126,10 +127,6 @@ def _clean(error: click.ClickException) -> None:
     vars(error)["message"] = shortened(printable(redact(error.message)))  # click declares it final.
 
 
-_AGAIN_S = 0.5
-"""Time after which an interruption that was dropped is raised again, s."""
-
-
 class _Interrupt(KeyboardInterrupt):
     """A signal that asks the command to end."""
 
@@ -142,9 +139,8 @@ class _Interrupt(KeyboardInterrupt):
 def _interruptible() -> Iterator[None]:
     """Let SIGTERM and SIGHUP interrupt as Ctrl-C does; a second signal ends the process at once.
 
-    A signal that the process was started to ignore, as under `nohup`, stays ignored. Python drops an exception
-    that is raised within a finaliser or a callback, so an interruption is raised again as long as nothing handles it,
-    and a foreign error after one counts as it: a compiler whose callback was cut off fails a moment later.
+    A signal that the process was started to ignore, as under `nohup`, stays ignored. A foreign error after an
+    interruption counts as the interruption: a compiler whose callback was cut off fails a moment later.
     """
     before: dict[int, Any] = {}
     received: list[int] = []
@@ -152,27 +148,18 @@ def _interruptible() -> Iterator[None]:
     def interrupt(number: int, frame: FrameType | None) -> None:
         for one in before:
             signal.signal(one, signal.SIG_DFL)
-        before[signal.SIGALRM] = signal.signal(signal.SIGALRM, lambda *_: raise_again(number))
-        signal.setitimer(signal.ITIMER_REAL, _AGAIN_S, _AGAIN_S)
+        before[signal.SIGALRM] = signal.getsignal(signal.SIGALRM)
         received.append(number)
-        raise _Interrupt(number)
+        raise_until_handled(lambda: _Interrupt(number))
 
-    def raise_again(number: int) -> None:
-        if sys.exc_info()[1] is None:
-            raise _Interrupt(number)
-
-    def report(dropped: "sys.UnraisableHookArgs") -> None:
-        if not isinstance(dropped.exc_value, _Interrupt):
-            report_dropped(dropped)
-
-    report_dropped, sys.unraisablehook = sys.unraisablehook, report
     try:
         if threading.current_thread() is threading.main_thread():
             for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
                 if signal.getsignal(number) is not signal.SIG_IGN:
                     before[number] = signal.getsignal(number)
                     signal.signal(number, interrupt)
-        yield
+        with unreported(_Interrupt):
+            yield
     except (OodscenError, click.ClickException, click.exceptions.Exit):
         raise
     except Exception as error:
@@ -182,7 +169,6 @@ def _interruptible() -> Iterator[None]:
     finally:
         if signal.SIGALRM in before:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
-        sys.unraisablehook = report_dropped
         for one, handler in before.items():
             signal.signal(one, handler)
 

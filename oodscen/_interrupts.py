@@ -1,0 +1,45 @@
+"""Interruptions that reach the code they interrupt.
+
+Python drops an exception that is raised within a finaliser or a callback, such as a compiler's, and reports it on
+standard error. An interruption is therefore raised again as long as nothing handles it.
+"""
+
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import NoReturn
+
+AGAIN_S = 0.5
+"""Time after which a dropped interruption is raised again, s."""
+
+
+def raise_until_handled(interruption: Callable[[], KeyboardInterrupt]) -> NoReturn:
+    """Raise an interruption from a signal handler, and again until something handles it.
+
+    The timer and SIGALRM are the caller's to restore.
+    """
+
+    def raise_again(number: int, frame: FrameType | None) -> None:
+        if sys.exc_info()[1] is None:
+            raise interruption()
+
+    signal.signal(signal.SIGALRM, raise_again)
+    signal.setitimer(signal.ITIMER_REAL, AGAIN_S, AGAIN_S)
+    raise interruption()
+
+
+@contextmanager
+def unreported(kind: type[KeyboardInterrupt]) -> Iterator[None]:
+    """Drop interruptions of a kind without a report where Python drops them."""
+
+    def report(dropped: "sys.UnraisableHookArgs") -> None:
+        if not isinstance(dropped.exc_value, kind):
+            report_others(dropped)
+
+    report_others, sys.unraisablehook = sys.unraisablehook, report
+    try:
+        yield
+    finally:
+        sys.unraisablehook = report_others
