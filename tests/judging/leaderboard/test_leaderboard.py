@@ -193,6 +193,26 @@ def test_likeness_within_paths_is_measured() -> None:
     assert interval.method == "cluster bootstrap"
 
 
+def test_the_greatest_likeness_of_a_model_counts_and_that_of_references_only_without_models() -> (
+    None
+):
+    case = Case()
+
+    def by_path(index: int, twin: bool) -> dict[str, Any]:
+        return {"action": "stop" if index // 4 % 2 else "keep_speed"}
+
+    def by_scene(index: int, twin: bool) -> dict[str, Any]:
+        return {"action": "stop" if index % 2 else "keep_speed"}
+
+    mixed = case.verdicts("mixed", by_scene)
+    alike = case.verdicts("alike", by_path)
+    random = case.verdicts("random", by_path, "reference")
+    assert board(case, mixed).icc == board(case, mixed, random).icc == 0
+    assert board(case, random).icc == pytest.approx(1)
+    for models in ((mixed, alike), (alike, mixed)):
+        assert board(case, *models).icc == pytest.approx(1)
+
+
 def test_protocols_are_rows_of_their_own() -> None:
     case = Case()
     papers = [v.model_copy(update={"protocol": "paper"}) for v in case.verdicts("m", careless)]
