@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._verdict import Verdict
 from oodscen.errors import UsageError
-from oodscen.judging._leaderboard.leaderboard import Leaderboard, leaderboard
+from oodscen.judging._leaderboard.leaderboard import Leaderboard, _rank, leaderboard
+from oodscen.judging._leaderboard.rows import ActionScore, LeaderboardRow, PairedScores, Rate
 from oodscen.judging._leaderboard.sentences import sentences
 from tests.judging.cases import Case
 
@@ -66,6 +67,20 @@ def test_who_knows_scores_all_and_a_constant_what_it_must() -> None:
         ("stop", 24, 0),
         ("pull_over", 0, 24),
     }
+
+
+def test_scenes_without_a_choice_are_counted_apart() -> None:
+    case = Case()
+    for place, outcome in ((0, SAFE), (2, UNSAFE), (4, UNSAFE)):
+        old = case.episodes[place]
+        case.episodes[place] = old.model_copy(
+            update={"actions": dict.fromkeys(old.actions, outcome)}
+        )
+    found = board(case, case.verdicts("m", careless))
+    assert (found.scenes, found.all_safe, found.none_safe, found.decidable) == (24, 1, 2, 21)
+
+
+SAFE, UNSAFE = ActionOutcome(safe=True), ActionOutcome(safe=False)
 
 
 def test_the_last_verdict_and_episode_of_an_item_count() -> None:
@@ -138,6 +153,28 @@ def test_the_worst_case_is_that_of_a_model_that_answered_wrongly(silent: int, wr
     assert shy.control.needless.with_missing_wrong == pytest.approx(
         (shy.control.needless.hits + shy.control.needless.missing) / 16
     )
+
+
+def test_rows_are_ranked_by_pairs_then_by_safe_actions_and_what_is_unknown_is_zero() -> None:
+    def row(model: str, act: float | None, safe: float | None, **fields: Any) -> LeaderboardRow:
+        return LeaderboardRow(
+            model=model,
+            paired=PairedScores(act=Rate(with_missing_wrong=act)),
+            control=ActionScore(safe=Rate(with_missing_wrong=safe)),
+            **fields,
+        )
+
+    ranked = [
+        row("h", 0.25, 0.5),
+        row("g", 0.25, None),
+        row("f", 0.0, 0.75),
+        row("c", 0.0, 0.0),
+        row("d", None, None),
+        row("e", 0.0, None),
+        row("b", 1.0, 1.0, protocol="paper"),
+        row("a", 1.0, 1.0, kind="reference"),
+    ]
+    assert sorted(random.Random(1).sample(ranked, len(ranked)), key=_rank) == ranked
 
 
 def test_models_are_compared_pairwise_and_with_the_best_reference() -> None:
@@ -360,6 +397,10 @@ def test_a_mean_of_two_shares_lies_in_its_interval_below_one() -> None:
 
     found = board(case, case.verdicts("m", sometimes)).standings[0].detection.balanced_accuracy
     assert 0 <= found.interval.low <= found.value <= found.interval.high <= 1
+
+
+def test_a_board_tells_its_seed() -> None:
+    assert leaderboard([], [], [], seed=7).seed == 7
 
 
 @pytest.mark.parametrize("seed", [-1, 1.5, "one"])

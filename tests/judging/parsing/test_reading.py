@@ -33,6 +33,7 @@ from oodscen.judging._parsing.reading import (
 )
 from oodscen.judging._parsing.unusable import LONGEST, UnusableError
 from oodscen.llm._json_objects import Members
+from oodscen.llm._reading import EMPTY, UNSPOKEN
 from tests.judging.parsing.shapes import LEAVES
 
 WORDS = st.sampled_from(
@@ -72,6 +73,21 @@ def test_no_answer_raises_and_what_is_read_was_offered(text):
     contradiction(text, "stop", ACTIONS)
     reasoning_in(text)
     is_refusal(text)
+
+
+@pytest.mark.parametrize(
+    ("said", "note"),
+    [
+        ("", EMPTY.message),
+        (" \n", EMPTY.message),
+        ("<think>I would stop.</think>", UNSPOKEN.message),
+        ("Hm.", "no answer is named plainly"),
+        ("<think>I would stop.</think> Hm.", "no answer is named plainly"),
+    ],
+)
+def test_the_note_says_if_nothing_was_said(said, note):
+    reading = read_action(said, ACTIONS)
+    assert (reading.outcome, reading.note) == ("unparsed", note)
 
 
 NOISE = st.text(
