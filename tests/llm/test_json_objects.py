@@ -54,7 +54,7 @@ def test_objects_in_a_json_string_have_no_width() -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["{a: 1,}", "{'a': 'it is'}", '{"a": "x",\n}', '{"a": [1, 2,],}', '{"a": True, "b": None}', '{"a":1 "b":[1,2]}'],
+    ["{a: 1,}", "{'a': 'it is'}", '{"a": "x",\n}', '{"a": [1, 2,],}', '{"a": True, "b": None}', '{"a":1 "b":[1,2]}', "{a: 'é \\u00e9 \U0001f600'}"],
 )  # fmt: skip
 def test_mending_punctuation_alters_nothing(text: str) -> None:
     ((found, *_),) = find_objects(text)

@@ -140,6 +140,19 @@ def test_a_parametric_cubic_is_measured_by_its_arc(
     assert curve.arc == pytest.approx(arc[-1], rel=1e-6)
 
 
+@example(1e4, 0.5)
+@given(st.floats(0.1, 1e4), st.floats(0, 1))
+def test_the_scale_of_the_parameter_changes_no_point(scale: float, fraction: float) -> None:
+    one, other = (
+        ParamPoly3(0.0, 1.0, 2.0, 0.3, 60.0, *(
+            tuple(k / end**power for power, k in enumerate(axis))
+            for axis in ((0.0, 60.0, 1.0, -2.0), (0.0, 0.0, 9.0, -4.0))
+        ), end).at(fraction * 60.0)
+        for end in (1.0, scale)
+    )  # fmt: skip
+    assert one == pytest.approx(other, abs=1e-6)
+
+
 @given(st.floats(-0.004, 0.004), st.floats(-2e-5, 2e-5), st.floats(0.01, 1.0))
 def test_poly3_is_measured_by_arc_length(c: float, d: float, fraction: float) -> None:
     curve = Poly3(0.0, 0.0, 0.0, 0.0, 60.0, (0.0, 0.0, c, d))

@@ -102,6 +102,9 @@ def test_what_was_not_answered_is_missing_and_never_wrong() -> None:
     assert row.outcomes == {"answered": 32, "refused": 16}
     assert (row.control.safe.n, row.control.safe.missing, row.control.safe.value) == (16, 8, 1)
     assert (row.detection.specificity.n, row.detection.specificity.missing) == (16, 8)
+    for group in row.groups:
+        for rate in (group.detected, group.open, group.closed, group.safe):
+            assert rate.with_missing_wrong == pytest.approx(rate.hits / group.scenes, abs=1e-6)
 
 
 def test_a_model_that_answers_only_what_is_easy_is_ranked_by_its_worst_case() -> None:
