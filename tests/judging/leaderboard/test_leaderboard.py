@@ -9,7 +9,13 @@ from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._verdict import Verdict
 from oodscen.errors import UsageError
 from oodscen.judging._leaderboard.leaderboard import Leaderboard, _rank, leaderboard
-from oodscen.judging._leaderboard.rows import ActionScore, LeaderboardRow, PairedScores, Rate
+from oodscen.judging._leaderboard.rows import (
+    ActionScore,
+    Estimate,
+    LeaderboardRow,
+    PairedScores,
+    Rate,
+)
 from oodscen.judging._leaderboard.sentences import sentences
 from tests.judging.cases import Case
 
@@ -133,7 +139,7 @@ def test_a_model_that_answers_only_what_is_easy_is_ranked_by_its_worst_case() ->
 @given(st.integers(0, 2**16 - 1), st.integers(0, 2**16 - 1))
 @settings(max_examples=5, deadline=None)
 def test_the_worst_case_is_that_of_a_model_that_answered_wrongly(silent: int, wrong: int) -> None:
-    case = Case(paths=4)
+    case = Case(paths=16, per_path=1)
 
     def says(is_silent_wrong: bool):
         def fields(index: int, twin: bool) -> dict[str, Any]:
@@ -152,7 +158,11 @@ def test_the_worst_case_is_that_of_a_model_that_answered_wrongly(silent: int, wr
         == sure.control.safe.with_missing_wrong
     )
     assert shy.identification.closed.with_missing_wrong == sure.identification.closed.value
-    assert shy.detection.with_missing_wrong.value == sure.detection.balanced_accuracy.value
+    assert (
+        shy.detection.with_missing_wrong
+        == sure.detection.with_missing_wrong
+        == sure.detection.balanced_accuracy
+    )
     assert shy.control.needless.with_missing_wrong == pytest.approx(
         (shy.control.needless.hits + shy.control.needless.missing) / 16
     )
@@ -392,14 +402,17 @@ def test_a_half_is_at_least_as_often_right_as_both(seed: int, kind: str) -> None
     assert found.ordinary == len(case.episodes) - found.scenes
 
 
-def test_a_mean_of_two_shares_lies_in_its_interval_below_one() -> None:
+def test_figures_of_detection_lie_in_their_intervals() -> None:
     case = Case(paths=24)
 
     def sometimes(index: int, twin: bool) -> dict[str, Any]:
         return {**knows(index, twin), "is_ood": index % 5 < 2 if twin else index % 3 < 2}
 
-    found = board(case, case.verdicts("m", sometimes)).standings[0].detection.balanced_accuracy
-    assert 0 <= found.interval.low <= found.value <= found.interval.high <= 1
+    detection = board(case, case.verdicts("m", sometimes)).standings[0].detection
+    for found in (detection.balanced_accuracy, detection.auroc):
+        assert 0 <= found.interval.low <= found.value <= found.interval.high <= 1
+    found = detection.d_prime
+    assert found.interval.low <= found.value <= found.interval.high
 
 
 def test_a_board_tells_its_seed() -> None:
@@ -440,6 +453,15 @@ def test_a_model_without_ordinary_drives_is_not_praised_for_noticing() -> None:
     verdicts = [v for v in case.verdicts("m", knows) if not v.is_ordinary]
     words = " ".join(sentences(board(case, verdicts)))
     assert "whoever always says so" in words
+
+
+@pytest.mark.parametrize("is_ordinary", [False, True])
+def test_scenes_alone_or_ordinary_drives_alone_tell_nothing_of_detection(is_ordinary: bool) -> None:
+    case = Case()
+    verdicts = [v for v in case.verdicts("m", knows) if v.is_ordinary is is_ordinary]
+    found = board(case, verdicts).standings[0].detection
+    for figure in (found.d_prime, found.auroc, found.balanced_accuracy, found.with_missing_wrong):
+        assert figure == Estimate()
 
 
 def test_pairs_hold_the_ordinary_drives_that_were_asked_about() -> None:
