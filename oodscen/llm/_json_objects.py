@@ -113,33 +113,32 @@ def scan(text: str) -> tuple[list[Found], int | None]:
     position = failed = mended = 0
     while failed < _STARTS and mended < _MENDED and (start := _OBJECT.search(text, position)):
         position = start.start()
-        value, end = _strict_at(text, position)
-        one = Found(value, end - position) if isinstance(value, dict) else None
+        one = _strict_at(text, position)
         if one is None:
             end = _matching_brace(text, position)
-            one = _mended(text[position:end]) if end else None
-            broken_off = position if broken_off is None and not end else broken_off
+            one = None if end is None else _mended(text[position:end])
+            broken_off = position if broken_off is None and end is None else broken_off
             mended += one is not None
         if one is None:
             position += 1
             failed += 1
         else:
             found.append(one._replace(start=position))
-            position = end
+            position += one.width
     return found, broken_off
 
 
-def _matching_brace(text: str, position: int) -> int:
-    """Return the position after the brace that closes the one at `position`, or 0 if there is none."""
+def _matching_brace(text: str, position: int) -> int | None:
+    """Return the position after the brace that closes the one at `position`; `None` if there is none."""
     depth = 0
     for token in _TOKEN.finditer(text, position):
         mark = token.group()
         depth += (mark == "{") - (mark == "}")
         if mark == '"':
-            return 0
+            return None
         if depth == 0:
             return token.end()
-    return 0
+    return None
 
 
 def _ended(text: str) -> Found | None:
@@ -176,8 +175,7 @@ def _mended(text: str) -> Found | None:
     if not (isinstance(value, dict) and value):
         return None
     plain = _COMMENT.sub(lambda match: match[1] or "", text)
-    kept = json.dumps(value, ensure_ascii=False, separators=(",", ":"), default=str)
-    is_altered = _essence(plain) != _essence(kept)
+    is_altered = _essence(plain) != _essence(json.dumps(value))
     return Found(value, len(text), is_altered=is_altered, has_comments=plain != text)
 
 
@@ -188,11 +186,12 @@ def _strict(text: str) -> Any:
         return None
 
 
-def _strict_at(text: str, position: int) -> tuple[Any, int]:
+def _strict_at(text: str, position: int) -> Found | None:
     try:
-        return _DECODER.raw_decode(text, position)
+        value, end = _DECODER.raw_decode(text, position)
     except (ValueError, RecursionError):
-        return None, 0
+        return None
+    return Found(value, end - position) if isinstance(value, dict) else None
 
 
 def _essence(text: str) -> str:

@@ -58,7 +58,6 @@ class _Merging:
         self._ids: dict[str, str] = {}
         """Ids in the merge, by id in the second tree."""
         self._nodes = dict(one.by_id)
-        self._depths = {node.id: depth for node, depth in one.walk()}
         self._below: dict[str, dict[str, str]] = {}
         """Children by their words, for each parent."""
         for node in one.nodes:
@@ -81,7 +80,7 @@ class _Merging:
         elif not self._is_told(here, node, log[-1]):
             self.tree = self.tree.apply(_kept(node, here, pair, log[-1], self._name))
         self._ids[node.id] = here
-        if is_path and self._depths[here] >= 2:
+        if is_path:
             self._paths.add(here)
 
     def _add(self, node: Node, parent: str | None, log: list[TreeEdit]) -> str:
@@ -110,9 +109,7 @@ class _Merging:
     def _put(self, edits: list[TreeEdit]) -> None:
         self.tree = self.tree.apply(*edits)
         # The last edit is the addition itself, or a `keep` with the final label.
-        node = added(edits[0]).model_copy(update={"label": edits[-1].label})
-        self._depths[node.id] = self._depths[node.parent] + 1 if node.parent else 0
-        self._hang(node)
+        self._hang(added(edits[0]).model_copy(update={"label": edits[-1].label}))
 
     def _hang(self, node: Node) -> None:
         self._nodes[node.id] = node

@@ -54,7 +54,7 @@ def test_objects_in_a_json_string_have_no_width() -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["{a: 1,}", "{'a': 'it is'}", '{"a": "x",\n}', '{"a": [1, 2,],}', '{"a": True, "b": None}', '{"a":1 "b":[1,2]}'],
+    ["{a: 1,}", "{'a': 'it is'}", '{"a": "x",\n}', '{"a": [1, 2,],}', '{"a": True, "b": None}', '{"a":1 "b":[1,2]}', "{a: 'é \\u00e9 \U0001f600'}"],
 )  # fmt: skip
 def test_mending_punctuation_alters_nothing(text: str) -> None:
     ((found, *_),) = find_objects(text)
@@ -90,11 +90,15 @@ def test_only_the_closing_brace_may_be_missing(text: str) -> None:
     assert not is_cut_off(text + "}")
 
 
-@pytest.mark.parametrize("text", ['{"a": 1', '{"a": "x', '{"a": [1', '{"a": {"b": 1', '{"a":', '{"a": [[], 1'])  # fmt: skip
+@pytest.mark.parametrize("text", ['{"a": 1', '{"a": "x', '{"a": [1', '{"a": {"b": 1', '{"a":', '{"a": [[], 1', "{'a': 'x'"])  # fmt: skip
 def test_an_object_that_is_cut_off_inside_is_none(text: str) -> None:
     assert is_cut_off(text)
     assert values(text) == []
     assert scan(f"so {text} {{x: ")[1] == 3
+
+
+def test_what_a_list_without_an_end_holds_is_found_alone() -> None:
+    assert values('{"a": [{"b": 1}') == [{"b": 1}]
 
 
 def test_what_is_whole_or_no_object_is_not_cut_off() -> None:
@@ -109,8 +113,11 @@ def test_members_that_repeat_with_other_values_are_remembered() -> None:
     assert (found.value, found.repeated) == ({"a": 3, "b": 2}, {"a"})
     (found,) = scan('{"c": [{"a": 1, "a": 2}]}')[0]
     assert found.repeated == {"a"}
+    (found,) = scan('{"a": 1, "a": 2,}')[0]
+    assert found.repeated == {"a"}
     (found,) = scan('{"a": 1, "a": 1}')[0]
     assert type(found.value) is dict
+    assert found == Found({"a": 1}, 16)
 
 
 def test_commas_are_dropped_before_a_bracket_and_nowhere_else() -> None:

@@ -38,6 +38,8 @@ def test_an_empty_file_is_there_and_holds_nothing(tmp_path):
     assert (store.has("a.jsonl"), store.holds("a.jsonl")) == (True, False)
     store.append("a.jsonl", {"id": "x"})
     assert store.holds("a.jsonl") is True
+    store.write("a.jsonl", "\n")
+    assert store.holds("a.jsonl") is True
 
 
 @given(ROWS.filter(bool), st.data())

@@ -45,8 +45,7 @@ TREE = ScenarioTree.initial().apply(
 
 def test_each_leaf_lacks_the_first_thing_that_is_missing():
     names = ("text", "scene", "failed", "same", "whole")
-    report = coverage(
-        TREE,
+    report = TREE.coverage(
         texts=[text(f"{name}-001", name) for name in names]
         + [text("whole-002", "whole", "TEXT  whole-001."), text("lost-001", "lost")],
         scenes=[scene(f"{name}-001", f"{name}-001") for name in names[1:]] * 2,

@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 
 from oodscen.errors import UsageError
 from oodscen.tree._edit_log import MAX_DEPTH
-from oodscen.tree._history import replay
 from oodscen.tree._scenario_tree import ROOT, ScenarioTree, TreeEdit
 from tests.tree.woods import changes, few, grown, trees
 
@@ -17,7 +16,7 @@ from tests.tree.woods import changes, few, grown, trees
 @given(trees)
 def test_a_replay_passes_every_earlier_moment(tree):
     after = ScenarioTree()
-    for index, (edit, after) in enumerate(replay(tree)):
+    for index, (edit, after) in enumerate(tree.replay()):
         assert edit == tree.edits[index]
         assert after == tree.at(edit=index + 1)
         assert after.nodes == ScenarioTree(edits=tree.edits[: index + 1]).nodes

@@ -5,7 +5,7 @@ from html.parser import HTMLParser
 from hypothesis import given
 
 from oodscen.tree._edit_log import MAX_DEPTH
-from oodscen.tree._html import MAX_SHOWN, Remark, notebook_html, to_page, tree_html
+from oodscen.tree._html import MAX_SHOWN, Remark, notebook_html, tree_html
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 from tests.tree.woods import ADDRESSED, HOSTILE, broad, chain, few, trees
 
@@ -83,7 +83,7 @@ def test_a_notebook_shows_whole_levels_up_to_a_limit_and_says_so():
 
 def test_a_page_shows_every_node():
     tree = broad(3_504)
-    page = to_page(tree)
+    page = tree.to_page()
     body = page.partition("<body>")[2].partition("</body>")[0]
     assert Reader(body).labels == [node.label for node, _ in tree.walk()]
     assert "not shown" not in page
@@ -91,7 +91,7 @@ def test_a_page_shows_every_node():
 
 def test_an_empty_tree_is_an_empty_list():
     assert Reader(notebook_html(ScenarioTree())).labels == []
-    assert "An empty tree" in to_page(ScenarioTree())
+    assert "An empty tree" in ScenarioTree().to_page()
 
 
 def test_who_decided_turns_no_text_of_the_page_around():
@@ -99,6 +99,6 @@ def test_who_decided_turns_no_text_of_the_page_around():
         edit.model_copy(update={"model": "gnp.\u202eexe", "reason": "\u2066so"})
         for edit in chain(3).edits
     ]
-    page = to_page(ScenarioTree(edits))
+    page = ScenarioTree(edits).to_page()
     assert "\\u202eexe" in page
     assert not {"\u202e", "\u2066"} & set(page)

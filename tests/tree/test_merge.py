@@ -11,7 +11,7 @@ from oodscen.tree._edit_log import MAX_DEPTH
 from oodscen.tree._labels import same_words
 from oodscen.tree._matching import match
 from oodscen.tree._merge import merge
-from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
+from oodscen.tree._scenario_tree import ROOT, ScenarioTree, TreeEdit
 from tests.tree.woods import broad, chain, few, trees
 
 ENCODER = HashEncoder()
@@ -182,6 +182,22 @@ def test_a_decision_that_was_undone_is_not_merged():
     merged = merge(ScenarioTree.initial(), wider)
     assert merged.nodes == merge(ScenarioTree.initial(), other).nodes
     assert [edit.op for edit in merged.edits if edit.node == "hail"] == ["add", "keep"]
+
+
+def test_what_was_decided_before_a_removal_is_merged_only_if_the_removal_is_undone():
+    gone = weather_tree(("hail", "weather", "Hail"), model="first").apply(
+        TreeEdit(op="broaden", node="hail", label="Hail or sleet"),
+        TreeEdit(op="remove", node="hail"),
+    )
+    again = TreeEdit(op="add", node="hail", parent="weather", label="Hail", model="second")
+    for other, model, ops in (
+        (gone.undo(), "first", ["add", "broaden", "keep"]),
+        (gone.apply(again), "second", ["add", "keep"]),
+    ):
+        merged = merge(ScenarioTree.initial(), other)
+        told = [edit for edit in merged.edits if edit.node == "hail"]
+        assert (told[0].model, [edit.op for edit in told]) == (model, ops)
+        assert merged.nodes == other.nodes
 
 
 @few
@@ -369,14 +385,36 @@ def test_a_former_leaf_is_kept_below_the_family_that_it_became():
     )
 
 
-def test_a_leaf_that_was_kept_remains_a_path_when_it_becomes_a_family_too():
-    other = weather_tree(SNOW, BLIZZARD, ("snow-x", "snow", "Snow"), ("drift", "snow-x", "Drift"))
+@pytest.mark.parametrize("siblings", [(), (BLIZZARD,), (BLIZZARD, ("hail", "snow", "Hail"))])
+def test_a_leaf_that_was_kept_remains_a_path_when_it_becomes_a_family_too(siblings):
+    other = weather_tree(SNOW, *siblings, ("snow-x", "snow", "Snow"), ("drift", "snow-x", "Drift"))
     merged = merge(weather_tree(SNOW), other)
     assert sorted(path[3:] for path in merged.paths.values()) == [
-        ("Snow", "Blizzard"),
+        *(("Snow", label) for _, _, label in siblings),
         ("Snow", "Snow", "Drift"),
         ("Snow", "Snow", "Snow"),
     ]
+
+
+def test_a_leaf_that_became_a_family_in_between_is_told_once():
+    leaf, family = weather_tree(SNOW), weather_tree(SNOW, BLIZZARD)
+    merged = merge(merge(leaf, leaf.apply(TreeEdit(op="keep", node="snow", round=1))), family)
+    again = leaf.apply(TreeEdit(op="keep", node="snow", round=1))
+    assert merged.path("snow-2")[3:] == ("Snow", "Snow")
+    assert merge(merged, again) == merged
+
+
+def test_a_class_does_not_swallow_the_leaf_that_it_was():
+    """Both have the class `fog`; the second moved it, and has another class of that label."""
+    one = ScenarioTree.initial().apply(TreeEdit(op="add", node="fog", parent=ROOT, label="Fog"))
+    other = one.apply(
+        TreeEdit(op="move", node="fog", parent="environmental"),
+        TreeEdit(op="add", node="fog-2", parent=ROOT, label="FOG"),
+        TreeEdit(op="add", node="dense", parent="fog-2", label="Dense fog"),
+    )
+    merged = merge(one, other)
+    assert [path[1:] for path in merged.paths.values()] == [("Fog", "Fog"), ("Fog", "Dense fog")]
+    assert merge(merged, other).nodes == merged.nodes
 
 
 def test_merged_trees_are_numbered_and_their_own_names_kept():

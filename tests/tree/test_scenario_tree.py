@@ -459,6 +459,7 @@ def test_a_moved_branch_takes_all_below_it_along(tree, edit):
 @pytest.mark.parametrize("label", REFUSED)
 @pytest.mark.parametrize("op", ["add", "broaden", "narrow"])
 def test_what_cannot_be_a_label_is_refused(label, op):
+    assert ScenarioTree.label_fault(label)
     tree = ScenarioTree.initial()
     node = "fog" if op == "add" else "environmental"
     with pytest.raises(DataError) as caught:
@@ -534,5 +535,6 @@ def test_labels_pair_by_meaning_from_the_threshold_on():
     for threshold, pairs in ((0.1, 1), (1.0, 0)):
         found = one.diff(other, encoder=encoder, threshold=threshold)
         assert len(found.added) == 1 - pairs
-        merged = one.merge(other, encoder=encoder, threshold=threshold)
+        merged = one.merge(other, encoder=encoder, threshold=threshold, name="theirs")
         assert len(merged) == len(one) + 1 - pairs
+        assert merged.edits[-1].origin == "theirs"

@@ -230,14 +230,17 @@ class ParamPoly3(Curve):
         count = min(max(8, math.ceil(self.length)), 5_000)
         nodes = [0.0]
         for index in range(count):
-            ends = (self.scale * (index + part) / count for part in (0, 1))
-            nodes.append(nodes[-1] + self._arc(*ends))
+            nodes.append(nodes[-1] + self._arc(*self._ends(index, count)))
         object.__setattr__(self, "_nodes", tuple(nodes))
 
     @property
     def arc(self) -> float:
         """Length of the curve itself, m."""
         return self._nodes[-1]
+
+    def _ends(self, index: int, count: int) -> tuple[float, float]:
+        """Return the parameters at the ends of one of `count` equal parts."""
+        return self.scale * index / count, self.scale * (index + 1) / count
 
     def _speed(self, p: float) -> float:
         du, dv = _derivatives(self.u, p)[1], _derivatives(self.v, p)[1]
@@ -256,16 +259,16 @@ class ParamPoly3(Curve):
         count = len(self._nodes) - 1
         index = min(max(bisect_right(self._nodes, wanted) - 1, 0), count - 1)
         low, high = self._nodes[index], self._nodes[index + 1]
+        begin, end = self._ends(index, count)
         if not high > low:
-            return self.scale * index / count
-        begin = self.scale * index / count
+            return begin
         p = begin + (wanted - low) / (high - low) * self.scale / count
         for _ in range(_MOST_STEPS):
             speed, rest = self._speed(p), wanted - low - self._arc(begin, p)
             if not speed > _STALLED * self.arc / self.scale or abs(rest) < _ARC_TOLERANCE_M:
                 break
             p += rest / speed
-        return min(max(p, begin), self.scale * (index + 1) / count)
+        return min(max(p, begin), end)
 
     def at(self, along: float) -> CurvePoint:
         """Return the point `along` metres after this piece's start."""

@@ -226,10 +226,9 @@ def _is_reason(name: str, value: Any) -> bool:
 
 
 def _is_confidence(name: str, value: Any) -> bool:
-    is_text = isinstance(value, (int, float, str)) and not isinstance(value, bool)
     return bool(
         _CONFIDENCE.fullmatch(spelt(name))
-        and (value is None or (is_text and _SURE.fullmatch(str(value).strip())))
+        and (value is None or _SURE.fullmatch(str(value).strip()))
     )
 
 

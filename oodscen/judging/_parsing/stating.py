@@ -10,7 +10,8 @@ import re
 from oodscen.judging._parsing.unusable import TWO_ANSWERS, UnusableError
 
 FIRST, GERUNDS = 0xE000, 0x800
-"""The character of the first option, and the offset of an option named as a gerund ("stopping", not "stop")."""
+"""The character of the first option, and the offset of an option named as a gerund ("stopping", not "stop"), of which
+the first is a multiple."""
 OPTION = f"[{chr(FIRST)}-{chr(FIRST + 2 * GERUNDS - 1)}]"
 _BASE = f"[{chr(FIRST)}-{chr(FIRST + GERUNDS - 1)}]"
 _GERUND = f"(?!{_BASE}){OPTION}"
@@ -38,7 +39,7 @@ def stated_option(plain: str) -> int | None:
 
 def number(option: str) -> int:
     """Return the number of the option that a character stands for."""
-    return (ord(option) - FIRST) % GERUNDS
+    return ord(option) % GERUNDS
 
 
 def _sentences(plain: str) -> list[str]:

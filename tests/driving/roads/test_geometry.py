@@ -57,7 +57,7 @@ def test_many_points_have_the_bits_of_single_ones(curve: Curve, fractions: list[
 
 def test_every_part_of_a_long_spiral_has_the_bits_of_single_points() -> None:
     curve = Spiral(0.0, 1.0, 2.0, 0.3, 60.0, 0.001, 0.02)
-    along = np.linspace(-1.0, 61.0, 200)
+    along = np.linspace(-20.0, 80.0, 200)
     single = [curve.at(one) for one in along.tolist()]
     assert np.array(curve.at_all(along)).tobytes() == np.array(single).T.tobytes()
 
@@ -140,12 +140,40 @@ def test_a_parametric_cubic_is_measured_by_its_arc(
     assert curve.arc == pytest.approx(arc[-1], rel=1e-6)
 
 
+@example(1e4, 0.5)
+@given(st.floats(0.1, 1e4), st.floats(0, 1))
+def test_the_scale_of_the_parameter_changes_no_point(scale: float, fraction: float) -> None:
+    one, other = (
+        ParamPoly3(0.0, 1.0, 2.0, 0.3, 60.0, *(
+            tuple(k / end**power for power, k in enumerate(axis))
+            for axis in ((0.0, 60.0, 1.0, -2.0), (0.0, 0.0, 9.0, -4.0))
+        ), end).at(fraction * 60.0)
+        for end in (1.0, scale)
+    )  # fmt: skip
+    assert one == pytest.approx(other, abs=1e-6)
+
+
 @given(st.floats(-0.004, 0.004), st.floats(-2e-5, 2e-5), st.floats(0.01, 1.0))
 def test_poly3_is_measured_by_arc_length(c: float, d: float, fraction: float) -> None:
     curve = Poly3(0.0, 0.0, 0.0, 0.0, 60.0, (0.0, 0.0, c, d))
     u = np.linspace(0.0, curve.at(fraction * 60.0).x, 20_001)
     arc = np.hypot(np.diff(u), np.diff(c * u**2 + d * u**3)).sum()
     assert arc == pytest.approx(fraction * 60.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("bend", [1.0, -1.0])
+def test_a_tight_poly3_is_measured_from_its_first_step_to_its_last(bend: float) -> None:
+    curve = Poly3(0.0, 0.0, 0.0, 0.0, 3.0, (0.0, 0.0, bend, 0.0))
+    for along in np.linspace(0.0, 3.0, 61):
+        u = curve.at(along).x
+        arc = 0.5 * u * math.hypot(1.0, 2.0 * u) + 0.25 * math.asinh(2.0 * u)
+        assert arc == pytest.approx(along, abs=0.01)
+
+
+def test_a_poly3_too_steep_for_a_road_stays_within_one_step() -> None:
+    steep, wall = (Poly3(0.0, 0.0, 0.0, 0.0, 3.0, (0.0, k, 0.0, 0.0)) for k in (999_999.0, 1e6))
+    assert steep.at(3.0).x == pytest.approx(3.0 / 999_999.0)
+    assert wall.at(3.0).x == pytest.approx(0.25 * 3.0 / 4.0)
 
 
 @given(st.lists(st.floats(0, 100), min_size=1, max_size=5, unique=True), st.floats(0, 120))
@@ -202,6 +230,55 @@ def test_a_tight_spiral_is_the_integral_of_its_heading(start, end):
 def test_a_curve_that_goes_nowhere_turns_with_its_parameter():
     curve = ParamPoly3(0.0, 3.0, 4.0, 0.0, 5.0, (0.0,) * 4, (0.0, 0.0, 1e-12, 0.0), 2.0)
     assert [curve._parameter(part * 5.0) for part in (0.0, 0.5, 1.0)] == [0.0, 1.0, 2.0]
+    assert curve.at(2.5).curvature == 0.0
+
+
+def inflected(scale):
+    """Return a cubic of 5,000 m along x that rests in the middle, where it goes as `(p - middle)^3`."""
+    a, h = 2_500.0, 0.5 * scale
+    return ParamPoly3(
+        0.0, 0.0, 0.0, 0.0, 5_000.0, (-a, 3 * a / h, -3 * a / h**2, a / h**3), (0.0,) * 4, scale
+    )
+
+
+@pytest.mark.parametrize("scale", [0.1, 1.0, 10.0])
+@pytest.mark.parametrize(("parts", "is_resting"), [(0, True), (2, False), (5, False)])
+def test_the_parameter_is_shared_out_evenly_where_a_curve_rests(scale, parts, is_resting):
+    curve = inflected(scale)
+    begin, end = 2 * parts / 5_000, 2 * (parts + 1) / 5_000
+    for share in (0.25, 0.5, 0.75):
+        cubed = begin**3 + share * (end**3 - begin**3)
+        expected = begin + share * (end - begin) if is_resting else cubed ** (1 / 3)
+        found = curve._parameter(2_500.0 * (1.0 + cubed))
+        assert found / (0.5 * scale) - 1.0 == pytest.approx(expected, abs=2e-6)
+
+
+def test_a_curve_whose_length_is_no_number_still_has_places():
+    curve = ParamPoly3(0.0, 0.0, 0.0, 0.0, 8.0, (0.0, 1e200, 0.0, 0.0), (0.0,) * 4, 1.0)
+    assert curve.arc == math.inf
+    assert np.isfinite(curve.at_all(np.linspace(0.0, 8.0, 9)[1:])).all()
+
+
+@pytest.mark.parametrize(("size", "parts"), [(2.0, 8), (8.5, 9), (60.0, 60), (6_000.0, 5_000)])
+def test_a_parametric_cubic_is_integrated_in_a_part_per_metre_within_bounds(size, parts):
+    curve = ParamPoly3(0.0, 0.0, 0.0, 0.0, size, (0.0, size, 0.0, 0.0), (0.0,) * 4, 1.0)
+    assert len(curve._nodes) - 1 == parts
+
+
+@pytest.mark.parametrize(
+    ("size", "bend", "parts"), [(2.0, 0.0, 1), (100.0, 0.0, 10), (99.0, 0.25, 109)]
+)
+def test_a_spiral_is_integrated_in_more_parts_the_longer_and_tighter_it_is(size, bend, parts):
+    for ends in ((bend, 0.0), (0.0, -bend)):
+        assert len(Spiral(0.0, 0.0, 0.0, 0.0, size, *ends)._nodes) - 1 == parts
+
+
+@pytest.mark.parametrize(
+    ("size", "slope", "parts"), [(0.1, 0.0, 1), (5.0, 0.0, 20), (5.0, 0.75, 16), (2e4, 0.0, 40_000)]
+)
+def test_a_cubic_over_its_axis_is_measured_in_steps_along_it(size, slope, parts):
+    curve = Poly3(0.0, 0.0, 0.0, 0.0, size, (0.0, slope, 0.0, 0.0))
+    assert len(curve._nodes) - 1 == parts
 
 
 @pytest.mark.parametrize(

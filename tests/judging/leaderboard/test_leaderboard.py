@@ -8,7 +8,14 @@ from hypothesis import strategies as st
 from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._verdict import Verdict
 from oodscen.errors import UsageError
-from oodscen.judging._leaderboard.leaderboard import Leaderboard, leaderboard
+from oodscen.judging._leaderboard.leaderboard import Leaderboard, _rank, leaderboard
+from oodscen.judging._leaderboard.rows import (
+    ActionScore,
+    Estimate,
+    LeaderboardRow,
+    PairedScores,
+    Rate,
+)
 from oodscen.judging._leaderboard.sentences import sentences
 from tests.judging.cases import Case
 
@@ -68,6 +75,20 @@ def test_who_knows_scores_all_and_a_constant_what_it_must() -> None:
     }
 
 
+def test_scenes_without_a_choice_are_counted_apart() -> None:
+    case = Case()
+    for place, outcome in ((0, SAFE), (2, UNSAFE), (4, UNSAFE)):
+        old = case.episodes[place]
+        case.episodes[place] = old.model_copy(
+            update={"actions": dict.fromkeys(old.actions, outcome)}
+        )
+    found = board(case, case.verdicts("m", careless))
+    assert (found.scenes, found.all_safe, found.none_safe, found.decidable) == (24, 1, 2, 21)
+
+
+SAFE, UNSAFE = ActionOutcome(safe=True), ActionOutcome(safe=False)
+
+
 def test_the_last_verdict_and_episode_of_an_item_count() -> None:
     case = Case()
     wrong, right = case.verdicts("m", careless), case.verdicts("m", knows)
@@ -87,6 +108,9 @@ def test_what_was_not_answered_is_missing_and_never_wrong() -> None:
     assert row.outcomes == {"answered": 32, "refused": 16}
     assert (row.control.safe.n, row.control.safe.missing, row.control.safe.value) == (16, 8, 1)
     assert (row.detection.specificity.n, row.detection.specificity.missing) == (16, 8)
+    for group in row.groups:
+        for rate in (group.detected, group.open, group.closed, group.safe):
+            assert rate.with_missing_wrong == pytest.approx(rate.hits / group.scenes, abs=1e-6)
 
 
 def test_a_model_that_answers_only_what_is_easy_is_ranked_by_its_worst_case() -> None:
@@ -115,7 +139,7 @@ def test_a_model_that_answers_only_what_is_easy_is_ranked_by_its_worst_case() ->
 @given(st.integers(0, 2**16 - 1), st.integers(0, 2**16 - 1))
 @settings(max_examples=5, deadline=None)
 def test_the_worst_case_is_that_of_a_model_that_answered_wrongly(silent: int, wrong: int) -> None:
-    case = Case(paths=4)
+    case = Case(paths=16, per_path=1)
 
     def says(is_silent_wrong: bool):
         def fields(index: int, twin: bool) -> dict[str, Any]:
@@ -134,10 +158,36 @@ def test_the_worst_case_is_that_of_a_model_that_answered_wrongly(silent: int, wr
         == sure.control.safe.with_missing_wrong
     )
     assert shy.identification.closed.with_missing_wrong == sure.identification.closed.value
-    assert shy.detection.with_missing_wrong.value == sure.detection.balanced_accuracy.value
+    assert (
+        shy.detection.with_missing_wrong
+        == sure.detection.with_missing_wrong
+        == sure.detection.balanced_accuracy
+    )
     assert shy.control.needless.with_missing_wrong == pytest.approx(
         (shy.control.needless.hits + shy.control.needless.missing) / 16
     )
+
+
+def test_rows_are_ranked_by_pairs_then_by_safe_actions_and_what_is_unknown_is_zero() -> None:
+    def row(model: str, act: float | None, safe: float | None, **fields: Any) -> LeaderboardRow:
+        return LeaderboardRow(
+            model=model,
+            paired=PairedScores(act=Rate(with_missing_wrong=act)),
+            control=ActionScore(safe=Rate(with_missing_wrong=safe)),
+            **fields,
+        )
+
+    ranked = [
+        row("h", 0.25, 0.5),
+        row("g", 0.25, None),
+        row("f", 0.0, 0.75),
+        row("c", 0.0, 0.0),
+        row("d", None, None),
+        row("e", 0.0, None),
+        row("b", 1.0, 1.0, protocol="paper"),
+        row("a", 1.0, 1.0, kind="reference"),
+    ]
+    assert sorted(random.Random(1).sample(ranked, len(ranked)), key=_rank) == ranked
 
 
 def test_models_are_compared_pairwise_and_with_the_best_reference() -> None:
@@ -191,6 +241,26 @@ def test_likeness_within_paths_is_measured() -> None:
     interval = row.control.safe.interval
     assert interval is not None
     assert interval.method == "cluster bootstrap"
+
+
+def test_the_greatest_likeness_of_a_model_counts_and_that_of_references_only_without_models() -> (
+    None
+):
+    case = Case()
+
+    def by_path(index: int, twin: bool) -> dict[str, Any]:
+        return {"action": "stop" if index // 4 % 2 else "keep_speed"}
+
+    def by_scene(index: int, twin: bool) -> dict[str, Any]:
+        return {"action": "stop" if index % 2 else "keep_speed"}
+
+    mixed = case.verdicts("mixed", by_scene)
+    alike = case.verdicts("alike", by_path)
+    random = case.verdicts("random", by_path, "reference")
+    assert board(case, mixed).icc == board(case, mixed, random).icc == 0
+    assert board(case, random).icc == pytest.approx(1)
+    for models in ((mixed, alike), (alike, mixed)):
+        assert board(case, *models).icc == pytest.approx(1)
 
 
 def test_protocols_are_rows_of_their_own() -> None:
@@ -332,14 +402,21 @@ def test_a_half_is_at_least_as_often_right_as_both(seed: int, kind: str) -> None
     assert found.ordinary == len(case.episodes) - found.scenes
 
 
-def test_a_mean_of_two_shares_lies_in_its_interval_below_one() -> None:
+def test_figures_of_detection_lie_in_their_intervals() -> None:
     case = Case(paths=24)
 
     def sometimes(index: int, twin: bool) -> dict[str, Any]:
         return {**knows(index, twin), "is_ood": index % 5 < 2 if twin else index % 3 < 2}
 
-    found = board(case, case.verdicts("m", sometimes)).standings[0].detection.balanced_accuracy
-    assert 0 <= found.interval.low <= found.value <= found.interval.high <= 1
+    detection = board(case, case.verdicts("m", sometimes)).standings[0].detection
+    for found in (detection.balanced_accuracy, detection.auroc):
+        assert 0 <= found.interval.low <= found.value <= found.interval.high <= 1
+    found = detection.d_prime
+    assert found.interval.low <= found.value <= found.interval.high
+
+
+def test_a_board_tells_its_seed() -> None:
+    assert leaderboard([], [], [], seed=7).seed == 7
 
 
 @pytest.mark.parametrize("seed", [-1, 1.5, "one"])
@@ -376,6 +453,15 @@ def test_a_model_without_ordinary_drives_is_not_praised_for_noticing() -> None:
     verdicts = [v for v in case.verdicts("m", knows) if not v.is_ordinary]
     words = " ".join(sentences(board(case, verdicts)))
     assert "whoever always says so" in words
+
+
+@pytest.mark.parametrize("is_ordinary", [False, True])
+def test_scenes_alone_or_ordinary_drives_alone_tell_nothing_of_detection(is_ordinary: bool) -> None:
+    case = Case()
+    verdicts = [v for v in case.verdicts("m", knows) if v.is_ordinary is is_ordinary]
+    found = board(case, verdicts).standings[0].detection
+    for figure in (found.d_prime, found.auroc, found.balanced_accuracy, found.with_missing_wrong):
+        assert figure == Estimate()
 
 
 def test_pairs_hold_the_ordinary_drives_that_were_asked_about() -> None:

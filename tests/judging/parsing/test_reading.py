@@ -9,6 +9,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from oodscen.data._episode import ACTIONS
+from oodscen.errors import UsageError
 from oodscen.judging._parsing import (
     contradiction,
     is_refusal,
@@ -33,6 +34,7 @@ from oodscen.judging._parsing.reading import (
 )
 from oodscen.judging._parsing.unusable import LONGEST, UnusableError
 from oodscen.llm._json_objects import Members
+from oodscen.llm._reading import EMPTY, UNSPOKEN
 from tests.judging.parsing.shapes import LEAVES
 
 WORDS = st.sampled_from(
@@ -72,6 +74,45 @@ def test_no_answer_raises_and_what_is_read_was_offered(text):
     contradiction(text, "stop", ACTIONS)
     reasoning_in(text)
     is_refusal(text)
+
+
+@pytest.mark.parametrize(
+    ("said", "note"),
+    [
+        ("", EMPTY.message),
+        (" \n", EMPTY.message),
+        ("<think>I would stop.</think>", UNSPOKEN.message),
+        ("Hm.", "no answer is named plainly"),
+        ("<think>I would stop.</think> Hm.", "no answer is named plainly"),
+    ],
+)
+def test_the_note_says_if_nothing_was_said(said, note):
+    reading = read_action(said, ACTIONS)
+    assert (reading.outcome, reading.note) == ("unparsed", note)
+
+
+@pytest.mark.parametrize("said", [None, 3, b"stop", ["stop"]])
+def test_an_answer_that_is_no_text_is_refused(said):
+    for read in (read_aspect, read_description, lambda text: read_action(text, ACTIONS)):
+        with pytest.raises(UsageError):
+            read(said)
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        '{"reasoning": "two signs, “, ”ahead: ", "action": "stop"}',
+        "{“reasoning”: “It's // wet”, “action”: “stop”}",
+    ],
+)
+def test_curly_quotation_marks_stand_for_straight_ones_only_where_there_are_none(said):
+    assert read_action(said, ACTIONS) == ParsedAnswer("stop", "answered", "JSON")
+
+
+def test_a_list_of_reasons_holds_texts_only():
+    for reasons, value in ((["It is wet.", "Stop."], "stop"), (["It is wet.", 3], None)):
+        said = json.dumps({"reasoning": reasons, "action": "stop"})
+        assert read_action(said, ACTIONS).value == value
 
 
 NOISE = st.text(

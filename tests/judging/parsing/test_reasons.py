@@ -21,7 +21,7 @@ NAMES = {
     "pull_over": ("pull over", "pulling over"),
 }
 SUPPORTING = """
-It would be unsafe not to {0}.|It would be dangerous not to {0} here.|Failing to {0} could cause a collision.|Failing to {0} would be dangerous.
+Not pulling over or {1} invites trouble.|It would be unsafe not to {0}.|It would be dangerous not to {0} here.|Failing to {0} could cause a collision.|Failing to {0} would be dangerous.
 Not {1} would be reckless.|Not {1} risks a collision.|There is no option but to {0}.|We cannot do anything but {0}.|I see no alternative to {1}.
 Nothing but {1} is safe.|The collision cannot be avoided without {1}.|Without {1}, the ego would hit the tree.|We will crash unless we {0}.
 If we do not {0}, we will crash.|If the ego does not {0}, it is not safe.|It is not safe to do anything other than {0}.

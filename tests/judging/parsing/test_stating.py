@@ -1,7 +1,7 @@
 """Prose states an option if each sentence is a statement of it, or an observation of the road."""
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from oodscen.data._episode import ACTIONS
@@ -10,6 +10,8 @@ from oodscen.judging._parsing import read_action
 NAMES = st.sampled_from(ACTIONS).map(lambda action: (action, action.replace("_", " ")))
 
 
+@example(("stop", "stop"), 400)
+@example(("stop", "stop"), 401)
 @given(NAMES, st.integers(360, 440))
 def test_a_sentence_of_more_than_400_characters_states_nothing(named, length):
     filler = "road " + "x" * (
