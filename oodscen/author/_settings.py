@@ -163,12 +163,12 @@ def _said(
     phrase: str, traits: tuple[str, ...], told: tuple[tuple[str, tuple[str, ...]], ...]
 ) -> _Said:
     """Return what a phrase tells of a road with these traits, some of which it tells by one of their words only."""
-    untold = {
+    unknown = {
         trait
         for trait, words in told
         if not any(re.search(rf"\b{re.escape(word)}", phrase) for word in words)
     }
-    return _Said(frozenset(traits) - _OF_LANES - untold, _claimed(phrase))
+    return _Said(frozenset(traits) - _OF_LANES - unknown, _claimed(phrase))
 
 
 def _is_true(said: _Said, road: MapLine, features: frozenset[str]) -> bool:

@@ -3,7 +3,8 @@
 from pydantic import Field, field_validator
 
 from oodscen.baselines._texts import check_texts
-from oodscen.data._base import Data, IssuesError, digest
+from oodscen.data._base import Data, digest
+from oodscen.data._issues import IssuesError
 from oodscen.errors import DataError
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self, get_args
 from pydantic import Field, model_validator
 
 from oodscen._field_docs import with_fields
-from oodscen.data._base import Data, IssuesError, LeanData, below
+from oodscen.data._base import Data, LeanData
 from oodscen.data._category import Category
 from oodscen.data._details import (
     AssetDetails,
@@ -16,6 +16,7 @@ from oodscen.data._details import (
     shown_as,
     unknown_words,
 )
+from oodscen.data._issues import IssuesError, below
 from oodscen.data._map_state import MapPart
 from oodscen.data._motion import KEYED, Motion, motion_faults
 from oodscen.data._prop import FLAT_M, Prop, check_prop, sizes_of

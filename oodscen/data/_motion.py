@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
-from oodscen.data._base import ROUNDING, IssuesError, LeanData
+from oodscen.data._base import ROUNDING, LeanData
 from oodscen.data._category import Category
 from oodscen.data._courses import Circle, Drift, KeyPose, Roll, Swing, Walk
 from oodscen.data._description import Description
+from oodscen.data._issues import IssuesError
 from oodscen.data._poses import PoseTrack
 from oodscen.errors import DataError, Issue
 

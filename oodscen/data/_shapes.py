@@ -9,8 +9,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from oodscen.data._base import MOST_PARTS, Data, no_truth_value
+from oodscen.data._base import Data, no_truth_value
 from oodscen.data._colours import Colour
+from oodscen.data._issues import MOST_PARTS
 
 A_NUMBER = BeforeValidator(no_truth_value)
 """Refuses true and false, which pydantic takes for 1 and 0."""

@@ -6,7 +6,7 @@ from typing import Generic, NamedTuple, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from oodscen._prose import is_disowned, without_thoughts
-from oodscen.data._base import issues_of
+from oodscen.data._issues import issues_of
 from oodscen.errors import Issue
 from oodscen.llm._json_objects import Found, find_objects, is_cut_off
 

@@ -21,7 +21,8 @@ from typing import Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from oodscen.data._base import Data, same_length
+from oodscen.data._base import Data
+from oodscen.data._issues import same_length
 from oodscen.encoders._similarity import Vectors, nearest_other
 from oodscen.statistics._intervals import Interval
 from oodscen.statistics._resampling import bootstrap_mean, bootstrap_pairwise

@@ -13,7 +13,8 @@ from pydantic import BaseModel, ConfigDict, model_validator
 
 from oodscen import _paper as paper
 from oodscen._seeding import stream
-from oodscen.data._base import Data, same_length
+from oodscen.data._base import Data
+from oodscen.data._issues import same_length
 from oodscen.data._scenario import Scenario
 from oodscen.encoders._similarity import Vectors
 from oodscen.metrics._diversity import Diversity, mean_nearest, mean_pairwise

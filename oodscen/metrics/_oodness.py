@@ -24,7 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from oodscen.data._base import Data, same_length
+from oodscen.data._base import Data
+from oodscen.data._issues import same_length
 from oodscen.encoders._similarity import Rows, Vectors, nearest, smallest
 from oodscen.errors import UnknownComponent
 from oodscen.statistics._intervals import Interval

@@ -25,7 +25,7 @@ class RarityRow:
     median: str
     middle: str
     """Range of the middle 80 % of texts."""
-    untold: int
+    unknown: int
 
 
 @dataclass(frozen=True)

@@ -96,8 +96,8 @@ class Coverage(Data):
             if found:
                 lines.append(f"{len(found)} {words}: {'; '.join(found)}")
         if self.holes and self.exposed_holes is not None:
-            untold = sum(row.exposure is None for row in self.holes)
-            others = f"; {untold} more cannot be told" if untold else ""
+            unknown = sum(row.exposure is None for row in self.holes)
+            others = f"; {unknown} more cannot be told" if unknown else ""
             lines.append(
                 f"leaves with holes: {self.exposed_holes:.0%} of what a driver would meet{others}"
             )

@@ -10,9 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import Field
 
-from oodscen.data._base import Data, IssuesError, LeanData, below, canonical_json, dotted
+from oodscen.data._base import Data, LeanData, canonical_json
 from oodscen.data._catalogue import Asset, BehaviourKind, BehaviourParameter, RoadMap, WeatherRange
 from oodscen.data._episode import ActionOutcome, Episode
+from oodscen.data._issues import IssuesError, below, dotted
 from oodscen.data._messages import Image, Message
 from oodscen.data._scenario import Scenario
 from oodscen.data._verdict import Verdict

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen.data._base import MOST_PARTS
 from oodscen.data._catalogue import Catalogue
+from oodscen.data._issues import MOST_PARTS
 from oodscen.data._prop import MADE, Prop, check_prop
 from oodscen.data._scene import Scene
 from oodscen.errors import MOST_TOLD, DataError

@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from oodscen._seeding import stream
-from oodscen.data._base import Data, same_length
+from oodscen.data._base import Data
+from oodscen.data._issues import same_length
 from oodscen.encoders._similarity import Vectors
 
 _ALIKE = 0.8

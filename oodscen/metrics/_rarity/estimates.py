@@ -94,7 +94,7 @@ class Rarity(Data):
     per_text: tuple[TextRarity, ...]
     median: float | None
     """Median of the texts that have a figure."""
-    untold: int = Field(ge=0)
+    unknown: int = Field(ge=0)
     """Number of texts without a figure."""
     calibration: RateCalibration | None = None
     """The calibration that was applied to all figures, if any."""
@@ -113,7 +113,7 @@ class Rarity(Data):
             f"rarity                 once in 10^{self.median:.1f} km (median; 80 % of texts "
             f"10^{ends[0]:.1f} to 10^{ends[1]:.1f}), by {self.by}"
         )
-        line += f"; unknown for {self.untold} of {n}" if self.untold else ""
+        line += f"; unknown for {self.unknown} of {n}" if self.unknown else ""
         if not self.input_tokens + self.output_tokens:
             return line
         cost = "price not known" if self.cost_usd is None else _money(self.cost_usd)
@@ -146,7 +146,7 @@ def gather_rarity(
         by=by,
         per_text=tuple(per_text),
         median=float(np.median(found)) if found else None,
-        untold=len(per_text) - len(found),
+        unknown=len(per_text) - len(found),
         calibration=calibration,
     )
 

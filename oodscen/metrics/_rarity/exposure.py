@@ -12,7 +12,8 @@ from pydantic import Field, model_validator
 
 from oodscen._arguments import instances_of
 from oodscen._seeding import stream
-from oodscen.data._base import Data, same_length
+from oodscen.data._base import Data
+from oodscen.data._issues import same_length
 from oodscen.errors import UsageError
 from oodscen.metrics._rarity.estimates import Rarity, TextRarity
 
@@ -31,11 +32,11 @@ class Exposure(Data):
     chosen: int
     """Number of the kinds whose share it is."""
     total: int
-    untold: int
+    unknown: int
     """Number of kinds without a rarity; they count in neither sum."""
 
     def __str__(self) -> str:
-        others = f"; {self.untold} of {self.total} kinds cannot be told" if self.untold else ""
+        others = f"; {self.unknown} of {self.total} kinds cannot be told" if self.unknown else ""
         return f"{self.share:.0%} of what a driver would meet ({self.low:.0%} to {self.high:.0%}{others})"
 
 
@@ -90,7 +91,7 @@ def exposure(per_text: Sequence[TextRarity], chosen: Sequence[bool]) -> Exposure
         high=max(ends[1], shares[0]),
         chosen=sum(map(bool, chosen)),
         total=len(per_text),
-        untold=len(per_text) - len(known),
+        unknown=len(per_text) - len(known),
     )
 
 

@@ -6,9 +6,9 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from oodscen._display import Brief
 from oodscen.data import _prop as props
-from oodscen.data._base import MOST_PARTS
 from oodscen.data._category import Category
 from oodscen.data._colours import PALETTE
+from oodscen.data._issues import MOST_PARTS
 from oodscen.data._prop import Prop
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt

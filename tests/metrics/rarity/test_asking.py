@@ -38,7 +38,7 @@ def test_the_median_of_draws_counts_and_the_interval_holds_all():
     assert max(sofa.draws) <= sofa.high
     assert eggs.best is None
     assert eggs.flags == ("no driving",)
-    assert found.untold == 1
+    assert found.unknown == 1
 
 
 @pytest.mark.parametrize(

@@ -38,7 +38,7 @@ def test_one_common_kind_outweighs_a_hundred_rare_ones():
 def test_what_cannot_be_told_counts_in_neither_sum():
     per_text = [told(3.0), TextRarity(flags=("far",)), told(3.0)]
     found = exposure(per_text, [True, True, False])
-    assert (found.share, found.untold) == (0.5, 1)
+    assert (found.share, found.unknown) == (0.5, 1)
     assert "1 of 3 kinds cannot be told" in str(found)
     assert exposure(per_text, [False, True, False]) is None
     assert exposure(per_text, [False, False, False]).share == 0.0
@@ -60,7 +60,7 @@ def test_a_choice_is_true_or_false(chosen):
 def test_a_tree_weights_its_leaves():
     paths = TreeRarity(
         leaves=("a", "b"),
-        rarity=Rarity(by="words", per_text=(told(3.0), told(4.0)), median=3.5, untold=0),
+        rarity=Rarity(by="words", per_text=(told(3.0), told(4.0)), median=3.5, unknown=0),
     )
     assert paths.per_km() == pytest.approx({"a": 1e-3, "b": 1e-4})
     assert paths.of({"a"}).share == pytest.approx(1.0 / 1.1)
