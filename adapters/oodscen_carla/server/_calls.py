@@ -2,7 +2,7 @@
 
 import inspect
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 
 from oodscen.errors import OodscenError
 from oodscen_carla._weather import WeatherParameters
@@ -10,7 +10,6 @@ from oodscen_carla.server import _values as read
 from oodscen_carla.server._actors import ZERO, ServerActor, VehicleControl, WalkerControl
 from oodscen_carla.server._blueprints import CAMERAS
 from oodscen_carla.server._commands import run_batch
-from oodscen_carla.server._geometry import rotated
 from oodscen_carla.server._sensors import camera_of
 from oodscen_carla.server._streams import WORLD_STREAM, Streams
 from oodscen_carla.server._values import CallError, Transform
@@ -40,6 +39,9 @@ EMPTY = frozenset(
 """Calls whose answer is an empty list: the served world has none of these things, or does not compute them."""
 _ROAD_TAG = 1
 """CARLA's semantic tag of roads."""
+
+Kind = Literal["", "vehicle", "walker"]
+"""Beginning of the ids of an actor's blueprint; empty for any."""
 
 
 class Calls:
@@ -187,6 +189,11 @@ class Calls:
         return self._world.spawn(described, read.transform(place), read.whole(parent))
 
     def rpc_destroy_actor(self, number: Any) -> bool:
+        actor = self._world.actors.get(read.whole(number))
+        if actor is not None and actor.staged:
+            # An error would end scripts that clean up by destroying all vehicles.
+            self._log(f"refused destroy_actor: actor {actor.id} belongs to the staged scene")
+            return False
         gone = self._world.destroy(read.whole(number))
         for actor in gone:
             self._streams.drop(actor.id)
@@ -202,29 +209,39 @@ class Calls:
     def _row(self, actor: ServerActor) -> list[Any]:
         return actor.row(self._streams.token(actor.id) if actor.is_sensor else b"")
 
-    def find(self, number: Any, doing: str) -> ServerActor:
+    def find(self, number: Any, doing: str, *, kind: Kind = "") -> ServerActor:
         """Return an actor.
 
+        Args:
+            number: Its id.
+            doing: The purpose, for the message.
+            kind: Beginning of its blueprint's id; any by default.
+
         Raises:
-            CallError: If there is none.
+            CallError: If there is none, or it is of another kind.
         """
         actor = self._world.actors.get(read.whole(number))
         if actor is None:
             raise CallError(f"unable to {doing}: actor {number} not found")
+        if kind and not actor.type_id.startswith(f"{kind}."):
+            raise CallError(f"unable to {doing}: actor {actor.id} is no {kind}")
         return actor
 
-    def _own(self, number: Any, doing: str, *, or_ego: bool = False) -> ServerActor:
+    def _own(
+        self, number: Any, doing: str, *, kind: Kind = "", or_ego: bool = False
+    ) -> ServerActor:
         """Return an actor that the staged scene does not move.
 
         Args:
             number: Its id.
             doing: The purpose, for the message.
+            kind: Beginning of its blueprint's id; any by default.
             or_ego: True if the scene's ego will do, too.
 
         Raises:
-            CallError: If there is none, or the scene moves it.
+            CallError: If there is none, it is of another kind, or the scene moves it.
         """
-        actor = self.find(number, doing)
+        actor = self.find(number, doing, kind=kind)
         if actor.staged and not (or_ego and actor.staged == "ego"):
             raise CallError(f"unable to {doing}: actor {actor.id} is moved by the staged scene")
         return actor
@@ -248,15 +265,8 @@ class Calls:
 
     def rpc_set_actor_target_velocity(self, number: Any, velocity: Any) -> None:
         given = read.vector(velocity)
-        actor = self._own(number, "set target velocity", or_ego=self._world.staged is not None)
-        ahead = rotated(given, -actor.place.rotation[1])[0]
-        if actor.staged and self._world.staged is not None:
-            self._world.staged.world.alter(speed=ahead)
-            return
-        actor.velocity = given
-        dt = self._world.step
-        actor.acceleration_along = (ahead - actor.speed) / dt if not actor.has_physics else 0.0
-        actor.speed = ahead
+        actor = self._own(number, "set target velocity", or_ego=True)
+        self._world.set_target_velocity(actor, given)
 
     def rpc_set_actor_target_angular_velocity(self, number: Any, velocity: Any) -> None:
         self._own(number, "set target angular velocity").angular = read.vector(velocity)
@@ -270,7 +280,7 @@ class Calls:
     def rpc_apply_control_to_vehicle(self, number: Any, control: Any) -> None:
         values = read.items(control, "a vehicle's control", 7)
         throttle, steer, brake, hand, reverse, manual, gear = values
-        actor = _vehicle(self._own(number, "apply control", or_ego=True), "apply control")
+        actor = self._own(number, "apply control", kind="vehicle", or_ego=True)
         actor.control = VehicleControl(
             _share(throttle, 0.0),
             _share(steer, -1.0),
@@ -284,16 +294,16 @@ class Calls:
     def rpc_apply_control_to_walker(self, number: Any, control: Any) -> None:
         direction, speed, jump = read.items(control, "a walker's control", 3)
         walk = WalkerControl(read.vector(direction), read.number(speed), read.flag(jump))
-        self._own(number, "apply control").walk = walk
+        self._own(number, "apply control", kind="walker").walk = walk
 
     def rpc_set_vehicle_light_state(self, number: Any, state: Any) -> None:
         # A call sends a list of one number, and a command of a batch the number itself.
-        value = state[0] if isinstance(state, list) and state else state
-        actor = _vehicle(self.find(number, "set light state"), "set light state")
+        (value,) = read.items(state, "a light state", 1) if isinstance(state, list) else (state,)
+        actor = self._own(number, "set light state", kind="vehicle")
         actor.lights = read.whole(value, "a light state")
 
     def rpc_get_vehicle_light_state(self, number: Any) -> list[int]:
-        return [self.find(number, "get light state").lights]
+        return [self.find(number, "get light state", kind="vehicle").lights]
 
     def rpc_get_vehicle_light_states(self) -> list[list[int]]:
         every = self._world.actors.values()
@@ -346,17 +356,6 @@ def refused(method: str, arguments: list[Any], message: str) -> list[Any]:
         return response
     commands = arguments[1] if len(arguments) > 1 else None
     return [response] * (len(commands) if isinstance(commands, list) and commands else 1)
-
-
-def _vehicle(actor: ServerActor, doing: str) -> ServerActor:
-    """Return an actor that is a vehicle.
-
-    Raises:
-        CallError: If it is none.
-    """
-    if not actor.is_vehicle:
-        raise CallError(f"unable to {doing}: actor {actor.id} is no vehicle")
-    return actor
 
 
 def _share(value: Any, least: float) -> float:

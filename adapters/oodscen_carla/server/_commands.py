@@ -72,8 +72,8 @@ def _run(calls: "Calls", command: Any, new: int) -> int:
     actor = read.whole(first) or new
     procedure, name = COMMANDS.get(number, ("", WITHOUT_EFFECT.get(number, "")))
     calls.find(actor, f"run {name}")
-    if procedure:
-        calls.call(procedure, [actor, *others])
+    if procedure and calls.call(procedure, [actor, *others]) is False:
+        raise CallError(f"unable to run {name}: actor {actor} belongs to the staged scene")
     return actor
 
 

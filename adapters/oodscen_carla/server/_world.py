@@ -29,7 +29,13 @@ from oodscen_carla.server._geometry import OrientedBox, mounted, rotated
 from oodscen_carla.server._kinematics import Surface, move
 from oodscen_carla.server._roads import RECEIVED, ServedMap
 from oodscen_carla.server._staging import HERO, ServedScene, carla_place
-from oodscen_carla.server._values import CallError, Description, Transform, WorldSettings
+from oodscen_carla.server._values import (
+    CallError,
+    Description,
+    Transform,
+    Vector,
+    WorldSettings,
+)
 
 STEP = 0.05
 """Duration of a tick without a fixed one, s."""
@@ -254,6 +260,15 @@ class World:
                 gone.append(actor)
                 waiting += [child.id for child in self.actors.values() if child.parent == actor.id]
         return gone
+
+    def set_target_velocity(self, actor: ServerActor, velocity: Vector) -> None:
+        """Give an actor a velocity, m/s; the ego of a staged scene takes the part along its heading."""
+        ahead = rotated(velocity, -actor.place.rotation[1])[0]
+        if actor.staged:
+            assert self.staged is not None
+            self.staged.world.alter(speed=ahead)
+        else:
+            actor.set_velocity(velocity, ahead, self.step)
 
     def place_of(self, actor: ServerActor) -> Transform:
         """Return an actor's place in the world."""
