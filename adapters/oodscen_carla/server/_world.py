@@ -5,7 +5,7 @@ import re
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from oodscen.data import Actor as SceneActor
 from oodscen.data import Behaviour, Catalogue, Ego, Hazard, Placement, Scene, Trigger, Weather
@@ -42,6 +42,8 @@ STEP = 0.05
 MAX_ACTORS = 2_000
 SPECTATOR_ID = 23
 """Id of the spectator; actors follow."""
+Kind = Literal["", "vehicle", "walker"]
+"""Beginning of the id of an actor's blueprint; empty for any."""
 
 _HEADLAMPS = VehicleLight.POSITION | VehicleLight.LOW_BEAM | VehicleLight.HIGH_BEAM
 _BRAKING = -9.0
@@ -247,6 +249,24 @@ class World:
         self._next += 1
         actor.spawned_at = self.time
         self.actors[actor.id] = actor
+        return actor
+
+    def find(self, number: int, doing: str, *, kind: Kind = "") -> ServerActor:
+        """Return an actor.
+
+        Args:
+            number: Its id.
+            doing: The purpose, for the message.
+            kind: Beginning of its blueprint's id; any by default.
+
+        Raises:
+            CallError: If there is none, or it is of another kind.
+        """
+        actor = self.actors.get(number)
+        if actor is None:
+            raise CallError(f"unable to {doing}: actor {number} not found")
+        if kind and not actor.type_id.startswith(f"{kind}."):
+            raise CallError(f"unable to {doing}: actor {actor.id} is no {kind}")
         return actor
 
     def destroy(self, number: int) -> list[ServerActor]:

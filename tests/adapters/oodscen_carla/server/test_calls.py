@@ -5,11 +5,20 @@ import math
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from oodscen_carla.server._actor_calls import ActorCalls
 from oodscen_carla.server._calls import EMPTY, WITHOUT_EFFECT, Calls
 from oodscen_carla.server._commands import REFUSED
+from oodscen_carla.server._episode_calls import EpisodeCalls
+from oodscen_carla.server._motion_calls import MotionCalls
+from oodscen_carla.server._traffic_manager_calls import TrafficManagerCalls
 
 CAR = "vehicle.tesla.model3"
-PROCEDURES = sorted(name[4:] for name in dir(Calls) if name.startswith("rpc_"))
+PROCEDURES = sorted(
+    name[4:]
+    for group in (ActorCalls, Calls, EpisodeCalls, MotionCalls, TrafficManagerCalls)
+    for name in dir(group)
+    if name.startswith("rpc_")
+)
 CONTROL = [0.8, 0.0, 0.0, False, False, False, 0]
 
 
