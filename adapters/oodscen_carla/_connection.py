@@ -68,6 +68,7 @@ class Connection:
         self._actors: list[int] = []
         self._lit: dict[int, VehicleLight] = {}
         self._map: str | None = None
+        self._is_blocked = False
         self._before: Any = None
         self._frame = 0
         self._is_seen = False
@@ -105,18 +106,18 @@ class Connection:
             return str(self._world.get_map().to_opendrive())
 
     def open(self, text: str, dt: float) -> None:
-        """Show a road, unless the server shows it already, and stop the server's own clock.
+        """Show a road, unless the server shows it already and nothing else, and stop the server's own clock.
 
         Args:
             text: The OpenDRIVE document.
             dt: Duration of a tick, s.
         """
         if self._map != text:
-            if self.map_text().strip() != text.strip():
+            if self._is_blocked or self.map_text().strip() != text.strip():
                 with self._calling("load the road"):
                     self._world = self._client.generate_opendrive_world(text)
                     self._blueprints = self._world.get_blueprint_library()
-                self._before = None
+                self._before, self._is_blocked = None, False
             self._map = text
         with self._calling("set the synchronous mode"):
             settings = self._world.get_settings()
@@ -146,7 +147,11 @@ class Connection:
                 doomed |= dict.fromkeys(one.id for one in every if one.type_id.startswith(_BODIES))
             if doomed:
                 commands = [self._carla.command.DestroyActor(number) for number in doomed]
-                self._client.apply_batch_sync(commands, False)
+                answers = self._client.apply_batch_sync(commands, False)
+                errors = [answer.error for answer in answers if answer.has_error()]
+                if any("not found" not in error for error in errors):
+                    # What stays, such as a scene that the server has staged, goes with its road.
+                    self._map, self._is_blocked = None, True
             self._forget()
 
     def _follow_episode(self) -> None:

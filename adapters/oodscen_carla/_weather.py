@@ -3,19 +3,24 @@
 from typing import NamedTuple
 
 from oodscen.data import Weather
-from oodscen.data._scene import Precipitation
+from oodscen.data._scene import CLEAR_AIR_M, Precipitation
 
-CLEAR_M = 10_000.0
-"""Visual range from which the air counts as clear, m."""
 _DENSE_M = 2_000.0
 """Visual range of fog of density 1, m; the range falls as the density grows."""
 _HEAVY_MM_H = 50.0
 """Rain that CARLA shows with precipitation 100, mm/h."""
 _SNOW_FALLOFF = 5.0
-"""CARLA has no snow: a fog falloff of 5, the strongest, marks precipitation as snow."""
-_DEFAULT_FOG = (2.0, 0.75)
-"""Density and distance of fog in CARLA's default air, which is clear."""
-_ROUNDING = 1e-6
+"""CARLA has no snow: this fog falloff, which none of its presets has, marks precipitation as snow."""
+_OWN_DISTANCE = 0.0
+"""Distance at which all fog of ours begins, m; that of CARLA's presets never does."""
+_HAZE_DENSITY = 7.0
+"""Greatest fog density of CARLA's presets by day, all of which are clear."""
+_MIDNIGHT_DEG = -90.0
+"""Elevation of the sun in CARLA's presets by night."""
+_NIGHT_AIR = frozenset({(60.0, 75.0), (60.0, 0.75), (100.0, 0.75)})
+"""Densities and distances of fog in CARLA's presets by night, all of which are clear."""
+_LEAST_FRICTION = 0.05
+"""Friction of the wettest road; that of wet ice."""
 
 
 class WeatherParameters(NamedTuple):
@@ -39,42 +44,57 @@ class WeatherParameters(NamedTuple):
 
 def to_carla(weather: Weather) -> WeatherParameters:
     """Return CARLA's parameters for a weather."""
-    is_wet = weather.precipitation == "rain"
-    fog = weather.fog_visual_range_m
-    snow = weather.precipitation == "snow"
+    is_rain, is_snow = (weather.precipitation == kind for kind in ("rain", "snow"))
+    visual_range = weather.fog_visual_range_m
     return WeatherParameters(
         cloudiness=100.0 * weather.cloud_cover,
         precipitation=min(100.0, 100.0 * weather.precipitation_mm_h / _HEAVY_MM_H),
-        precipitation_deposits=60.0 if is_wet else 0.0,
+        precipitation_deposits=60.0 if is_rain else 0.0,
         sun_altitude_angle=weather.sun_elevation_deg,
-        fog_density=min(100.0, _DENSE_M / fog) if fog < CLEAR_M else 0.0,
-        fog_distance=0.0,
-        fog_falloff=_SNOW_FALLOFF if snow else 0.1,
+        fog_density=min(100.0, _DENSE_M / visual_range) if visual_range < CLEAR_AIR_M else 0.0,
+        fog_distance=_OWN_DISTANCE,
+        fog_falloff=_SNOW_FALLOFF if is_snow else 0.1,
         wetness=100.0 * (1.0 - min(1.0, weather.friction)),
     )
 
 
 def from_carla(given: WeatherParameters) -> Weather:
-    """Return the weather that parameters describe.
+    """Return the weather that parameters describe; the air of CARLA's presets is clear.
 
-    CARLA's default air, with a fog density of 2, is clear. Values are rounded, so that they come
-    back unchanged from the 32-bit floats of the wire.
+    Values of `to_carla` with at most six digits come back unchanged from the 32-bit floats of the
+    wire, if CARLA's parameters reach them: fog from 20 m to 10 km, precipitation up to 50 mm/h,
+    friction from 0.05 to 1.
     """
-    fall = max(0.0, min(100.0, given.precipitation)) * _HEAVY_MM_H / 100.0
+    fall = _six_digits(_within(0.0, given.precipitation, 100.0) * _HEAVY_MM_H / 100.0)
     kind: Precipitation = "none"
-    if round(fall, 3) > 0.0:
-        kind = "snow" if given.fog_falloff >= _SNOW_FALLOFF else "rain"
-    is_default = all(
-        abs(value - usual) < _ROUNDING
-        for value, usual in zip((given.fog_density, given.fog_distance), _DEFAULT_FOG, strict=True)
-    )
-    is_default |= given.fog_density <= 0.0
-    fog = CLEAR_M if is_default else max(1.0, min(CLEAR_M, _DENSE_M / given.fog_density))
+    if fall > 0.0:
+        kind = "snow" if given.fog_falloff == _SNOW_FALLOFF else "rain"
+    visual_range = CLEAR_AIR_M
+    if not _is_clear(given):
+        visual_range = _within(1.0, _DENSE_M / given.fog_density, CLEAR_AIR_M)
     return Weather(
-        sun_elevation_deg=round(max(-90.0, min(90.0, given.sun_altitude_angle)), 4),
-        cloud_cover=round(max(0.0, min(1.0, given.cloudiness / 100.0)), 6),
+        sun_elevation_deg=_six_digits(_within(-90.0, given.sun_altitude_angle, 90.0)),
+        cloud_cover=_six_digits(_within(0.0, given.cloudiness / 100.0, 1.0)),
         precipitation=kind,
-        precipitation_mm_h=round(fall, 3) if kind != "none" else 0.0,
-        fog_visual_range_m=float(f"{fog:.6g}"),
-        friction=round(max(0.05, 1.0 - max(0.0, given.wetness) / 100.0), 6),
+        precipitation_mm_h=fall,
+        fog_visual_range_m=_six_digits(visual_range),
+        friction=round(_within(_LEAST_FRICTION, 1.0 - given.wetness / 100.0, 1.0), 6),
     )
+
+
+def _is_clear(given: WeatherParameters) -> bool:
+    """Return whether parameters have no fog, or the haze with which CARLA's presets are clear."""
+    air = given.fog_density, given.fog_distance
+    if given.sun_altitude_angle == _MIDNIGHT_DEG and air in _NIGHT_AIR:
+        return True
+    haze = 0.0 if given.fog_distance == _OWN_DISTANCE else _HAZE_DENSITY
+    return given.fog_density <= haze
+
+
+def _within(least: float, value: float, most: float) -> float:
+    return max(least, min(most, value))
+
+
+def _six_digits(value: float) -> float:
+    """Return a value without the noise of 32-bit floats."""
+    return float(f"{value:.6g}")

@@ -112,6 +112,17 @@ class ServerActor:
             return default
         return value if math.isfinite(value) else default
 
+    def set_velocity(self, velocity: Vector, ahead: float, dt: float) -> None:
+        """Take a velocity; without physics, the change of speed in a tick is its acceleration.
+
+        Args:
+            velocity: In the world, m/s.
+            ahead: Its part along the heading, m/s.
+            dt: Duration of a tick, s.
+        """
+        self.acceleration_along = 0.0 if self.has_physics else (ahead - self.speed) / dt
+        self.velocity, self.speed = velocity, ahead
+
     def stop(self) -> None:
         """End its motion."""
         self.velocity, self.angular, self.acceleration = ZERO, ZERO, ZERO

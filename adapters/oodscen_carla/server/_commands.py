@@ -71,9 +71,9 @@ def _run(calls: "Calls", command: Any, new: int) -> int:
         raise CallError(f"{name} is not supported by this server (oodscen)")
     actor = read.whole(first) or new
     procedure, name = COMMANDS.get(number, ("", WITHOUT_EFFECT.get(number, "")))
-    calls.find(actor, f"run {name}")
-    if procedure:
-        calls.call(procedure, [actor, *others])
+    calls.world.find(actor, f"run {name}")
+    if procedure and calls.call(procedure, [actor, *others]) is False:
+        raise CallError(f"unable to run {name}: actor {actor} belongs to the staged scene")
     return actor
 
 
@@ -82,7 +82,7 @@ def _spawn(calls: "Calls", values: list[Any]) -> int:
         raise CallError("SpawnActor needs a description, a transform and a parent")
     parent = read.optional(values[2], "a parent")
     # The attachment between parent and follow-ups is uninitialised memory of the client.
-    actor = calls.spawn(values[0], values[1], parent or 0)
+    actor = calls.actors.spawn(values[0], values[1], parent or 0)
     for after in read.items(values[-1], "the commands after a spawn", longest=_MAX_AFTER):
         _run(calls, after, actor.id)
     return actor.id

@@ -15,14 +15,20 @@ def limit_sends(connection: socket.socket) -> None:
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, timeout)
 
 
-def send_both(connection: socket.socket, first: bytes, last: bytes | memoryview) -> None:
-    """Send two buffers as one message, so that the peer wakes once.
+def send_message(connection: socket.socket, head: bytes, body: bytes | memoryview) -> None:
+    """Send a head and a body as one message, so that the peer wakes once.
+
+    Args:
+        connection: A connection whose sends are limited.
+        head: The first bytes.
+        body: The rest; a view may have any number of dimensions.
 
     Raises:
-        OSError: If the connection fails, or the peer has not taken the message after `STALL_S`.
+        OSError: If the connection fails, or the peer has not taken the message after `STALL_S`; twice
+            that, if it stops reading late.
     """
     deadline = time.monotonic() + STALL_S
-    left = [memoryview(first), memoryview(last)]
+    left = [memoryview(part).cast("B") for part in (head, body)]
     while left:
         sent = connection.sendmsg(left)
         while left and sent >= len(left[0]):

@@ -4,7 +4,7 @@ import socket
 import struct
 import threading
 
-from oodscen_carla.server._sockets import end, send_both
+from oodscen_carla.server._sockets import end, send_message
 
 WORLD_STREAM = 1
 """Stream of the world's state; a sensor's stream has the number of the sensor."""
@@ -68,10 +68,10 @@ class Streams:
 
     def send(self, stream: int, head: bytes, body: bytes | memoryview = b"") -> None:
         """Send one message; a connection that does not take it in time is ended."""
-        first = struct.pack("<I", len(head) + len(body)) + head
+        first = struct.pack("<I", len(head) + memoryview(body).nbytes) + head
         for connection in list(self._open.get(stream, ())):
             try:
-                send_both(connection, first, body)
+                send_message(connection, first, body)
             except OSError:
                 self.remove(connection)
                 end(connection)

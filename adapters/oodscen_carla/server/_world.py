@@ -5,7 +5,7 @@ import re
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from oodscen.data import Actor as SceneActor
 from oodscen.data import Behaviour, Catalogue, Ego, Hazard, Placement, Scene, Trigger, Weather
@@ -29,13 +29,21 @@ from oodscen_carla.server._geometry import OrientedBox, mounted, rotated
 from oodscen_carla.server._kinematics import Surface, move
 from oodscen_carla.server._roads import RECEIVED, ServedMap
 from oodscen_carla.server._staging import HERO, ServedScene, carla_place
-from oodscen_carla.server._values import CallError, Description, Transform, WorldSettings
+from oodscen_carla.server._values import (
+    CallError,
+    Description,
+    Transform,
+    Vector,
+    WorldSettings,
+)
 
 STEP = 0.05
 """Duration of a tick without a fixed one, s."""
 MAX_ACTORS = 2_000
 SPECTATOR_ID = 23
 """Id of the spectator; actors follow."""
+Kind = Literal["", "vehicle", "walker"]
+"""Beginning of the id of an actor's blueprint; empty for any."""
 
 _HEADLAMPS = VehicleLight.POSITION | VehicleLight.LOW_BEAM | VehicleLight.HIGH_BEAM
 _BRAKING = -9.0
@@ -243,6 +251,24 @@ class World:
         self.actors[actor.id] = actor
         return actor
 
+    def find(self, number: int, doing: str, *, kind: Kind = "") -> ServerActor:
+        """Return an actor.
+
+        Args:
+            number: Its id.
+            doing: The purpose, for the message.
+            kind: Beginning of its blueprint's id; any by default.
+
+        Raises:
+            CallError: If there is none, or it is of another kind.
+        """
+        actor = self.actors.get(number)
+        if actor is None:
+            raise CallError(f"unable to {doing}: actor {number} not found")
+        if kind and not actor.type_id.startswith(f"{kind}."):
+            raise CallError(f"unable to {doing}: actor {actor.id} is no {kind}")
+        return actor
+
     def destroy(self, number: int) -> list[ServerActor]:
         """Remove an actor and everything that is attached to it; return what is gone."""
         if number == SPECTATOR_ID:
@@ -254,6 +280,15 @@ class World:
                 gone.append(actor)
                 waiting += [child.id for child in self.actors.values() if child.parent == actor.id]
         return gone
+
+    def set_target_velocity(self, actor: ServerActor, velocity: Vector) -> None:
+        """Give an actor a velocity, m/s; the ego of a staged scene takes the part along its heading."""
+        ahead = rotated(velocity, -actor.place.rotation[1])[0]
+        if actor.staged:
+            assert self.staged is not None
+            self.staged.world.alter(speed=ahead)
+        else:
+            actor.set_velocity(velocity, ahead, self.step)
 
     def place_of(self, actor: ServerActor) -> Transform:
         """Return an actor's place in the world."""

@@ -99,6 +99,18 @@ SEEN = (
 )
 
 
+def test_a_scene_that_the_server_has_staged_is_in_no_picture():
+    night = SCENE.model_copy(update={"weather": Weather(sun_elevation_deg=-20.0)})
+    with (
+        CarlaTestServer([SCENE]) as server,
+        CarlaSimulator(server.address, catalogue="flat") as simulator,
+        rounded(FlatSimulator) as flat,
+    ):
+        for scene in (SCENE, night):
+            pairs = zip(frames(simulator, scene), frames(flat, scene), strict=True)
+            assert all(np.array_equal(mine.rgb, other.rgb) for mine, other in pairs)
+
+
 def test_frames_equal_those_of_pybullet():
     with (
         CarlaTestServer(simulator="pybullet") as server,

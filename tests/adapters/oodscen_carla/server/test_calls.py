@@ -5,11 +5,20 @@ import math
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from oodscen_carla.server._actor_calls import ActorCalls
 from oodscen_carla.server._calls import EMPTY, WITHOUT_EFFECT, Calls
 from oodscen_carla.server._commands import REFUSED
+from oodscen_carla.server._episode_calls import EpisodeCalls
+from oodscen_carla.server._motion_calls import MotionCalls
+from oodscen_carla.server._traffic_manager_calls import TrafficManagerCalls
 
 CAR = "vehicle.tesla.model3"
-PROCEDURES = sorted(name[4:] for name in dir(Calls) if name.startswith("rpc_"))
+PROCEDURES = sorted(
+    name[4:]
+    for group in (ActorCalls, Calls, EpisodeCalls, MotionCalls, TrafficManagerCalls)
+    for name in dir(group)
+    if name.startswith("rpc_")
+)
 CONTROL = [0.8, 0.0, 0.0, False, False, False, 0]
 
 
@@ -177,6 +186,27 @@ def test_only_vehicles_are_driven_and_lit(served):
     for number in (23, served.spawn("static.prop.puddle")):
         assert "is no vehicle" in served.error("apply_control_to_vehicle", number, CONTROL)
         assert "is no vehicle" in served.error("set_vehicle_light_state", number, [1])
+        assert "is no vehicle" in served.error("get_vehicle_light_state", number)
+
+
+def test_only_walkers_walk(served):
+    control = [[1.0, 0.0, 0.0], 5.0, False]
+    for number in (served.spawn(CAR, 100.0), served.spawn("static.prop.haybale", 120.0)):
+        assert "is no walker" in served.error("apply_control_to_walker", number, control)
+        before = served.world.actors[number].place
+        served.get("tick_cue")
+        assert served.world.actors[number].place == before
+    walker = served.spawn("walker.pedestrian.0001", 50.0, 1.7)
+    served.get("apply_control_to_walker", walker, control)
+    served.get("tick_cue")
+    assert served.world.actors[walker].place.location[0] == pytest.approx(50.25)
+
+
+@pytest.mark.parametrize("states", [[], [1, 2]])
+def test_a_vehicle_has_one_light_state(served, states):
+    car = served.spawn(CAR)
+    assert f"not {len(states)}" in served.error("set_vehicle_light_state", car, states)
+    assert served.get("get_vehicle_light_state", car) == [0]
 
 
 @pytest.mark.parametrize(("count", "words"), [(0, "missing"), (4, "too many")])
@@ -221,6 +251,29 @@ def test_a_staged_scene_moves_its_actors_and_obeys_the_hero(staged):
         staged.get("tick_cue")
     assert hero.speed < speed - 3.0
     assert world.staged.world.time == pytest.approx(1.0)
+
+
+def test_the_bodies_of_a_staged_scene_stay(staged):
+    world = staged.world
+    bodies = [actor.id for actor in world.actors.values() if actor.staged]
+    assert len(bodies) > 1
+    place = [[1.0, 0.0, 2.0], [0.0, 0.0, 0.0]]
+    sensor = ["sensor.other.imu", place, bodies[0]]
+    camera = staged.get("spawn_actor_with_parent", [1, sensor[0], []], *sensor[1:], 0, "")[0]
+    for number in bodies:
+        assert staged.get("destroy_actor", number) is False
+        assert f"actor {number} belongs to the staged scene" in staged.told[-1]
+        ((answer,),) = staged.ask("apply_batch", [[[1, [number]]]], False)
+        assert answer[0] == 0
+        assert f"actor {number} belongs to the staged scene" in answer[1][0]
+    assert {*bodies, camera} < set(world.actors)
+    assert staged.get("destroy_actor", camera) is True
+
+
+def test_the_lamps_of_a_staged_scene_are_its_own(staged):
+    (hero, *_) = (actor.id for actor in staged.world.actors.values() if actor.staged)
+    assert "moved by the staged scene" in staged.error("set_vehicle_light_state", hero, [3])
+    assert staged.get("get_vehicle_light_state", hero) == [0]
 
 
 def test_a_client_sets_the_heros_speed_and_the_friction_of_a_staged_scene(staged):

@@ -5,6 +5,8 @@ import queue
 import numpy as np
 import pytest
 
+from oodscen.testing import example_scene
+
 carla = pytest.importorskip("carla")
 
 KINDS = ("rgb", "depth", "instance_segmentation", "semantic_segmentation")
@@ -182,3 +184,13 @@ def test_a_batch_that_is_too_long_is_refused_in_words(client, world):
     answers = client.apply_batch_sync(orders, False)
     assert len(answers) == 10_001
     assert "at most 10,000 values" in answers[-1].error
+
+
+def test_a_script_that_destroys_all_vehicles_leaves_those_of_a_scene(client):
+    world = client.load_world(example_scene().id)
+    every = list(world.get_actors().filter("vehicle.*"))
+    assert every
+    assert not any(vehicle.destroy() for vehicle in every)
+    answers = client.apply_batch_sync([carla.command.DestroyActor(one) for one in every], False)
+    assert all("staged scene" in answer.error for answer in answers)
+    assert {one.id for one in every} <= {actor.id for actor in world.get_actors()}

@@ -1,5 +1,7 @@
 """Streams to fake connections that take what they are given a few bytes at a time."""
 
+import math
+import socket
 import struct
 import threading
 
@@ -7,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from oodscen_carla.server import _sockets
-from oodscen_carla.server._sockets import STALL_S, send_both
+from oodscen_carla.server._sockets import STALL_S, limit_sends, send_message
 from oodscen_carla.server._streams import Streams
 
 STREAM = 5
@@ -22,7 +24,7 @@ class Narrow:
 
     def sendmsg(self, buffers) -> int:
         self.took()
-        taken = b"".join(buffers)[: self.width]
+        taken = b"".join(map(bytes, buffers))[: self.width]
         self.taken += taken
         return len(taken)
 
@@ -53,20 +55,41 @@ def listening(*connections: Narrow) -> Streams:
     return streams
 
 
-@given(
-    first=st.binary(min_size=1, max_size=9), last=st.binary(max_size=9), width=st.integers(1, 18)
+VIEWS = st.lists(st.integers(1, 4), max_size=3).flatmap(
+    lambda shape: st.binary(min_size=math.prod(shape), max_size=math.prod(shape)).map(
+        lambda content: memoryview(content).cast("B", shape)
+    )
 )
-def test_both_buffers_arrive_however_few_bytes_are_taken_at_once(first, last, width):
+"""Views of bytes in any number of dimensions."""
+
+
+@given(
+    head=st.binary(min_size=1, max_size=9),
+    body=st.binary(max_size=9) | VIEWS,
+    width=st.integers(1, 18),
+)
+def test_head_and_body_arrive_however_few_bytes_are_taken_at_once(head, body, width):
     connection = Narrow(width)
-    send_both(connection, first, last)
-    assert connection.taken == first + last
+    send_message(connection, head, body)
+    assert connection.taken == head + bytes(body)
 
 
-@given(head=st.binary(max_size=9), body=st.binary(max_size=9))
+@given(head=st.binary(max_size=9), body=st.binary(max_size=9) | VIEWS)
 def test_a_message_is_preceded_by_its_length(head, body):
     connection = Narrow(100)
     listening(connection).send(STREAM, head, memoryview(body))
-    assert connection.taken == struct.pack("<I", len(head + body)) + head + body
+    assert connection.taken == struct.pack("<I", len(head + bytes(body))) + head + bytes(body)
+
+
+def test_only_sends_are_limited():
+    mine, theirs = socket.socketpair()
+    with mine, theirs:
+        limit_sends(mine)
+        limits = [
+            struct.unpack("ll", mine.getsockopt(socket.SOL_SOCKET, option, 16))
+            for option in (socket.SO_SNDTIMEO, socket.SO_RCVTIMEO)
+        ]
+    assert limits == [(STALL_S, 0), (0, 0)]
 
 
 @pytest.mark.parametrize(("step", "is_kept"), [(0.04 * STALL_S, True), (0.4 * STALL_S, False)])
