@@ -39,9 +39,9 @@ class Judgement(NamedTuple):
     holds: bool | None
     """`None` if it cannot be decided."""
     found: str
-    """What the scene shows."""
+    """Description of the content of the scene."""
     path: str
-    """Path of that in the scene."""
+    """Path of the relevant part of the scene."""
 
 
 def judge_surroundings(claim: Claim, scene: Scene, road: RoadMap | None, trace: Trace) -> Judgement:
