@@ -14,7 +14,7 @@ from oodscen._registry import make_catalogue, make_llm
 from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.baselines import load_baseline
 from oodscen.baselines._embedded import open_embeddings
-from oodscen.baselines._texts import read_records
+from oodscen.baselines._reading import read_records
 from oodscen.driving._roads.building import find_map
 from oodscen.errors import DataError, UsageError
 from oodscen.llm._replay import RecordingLLM

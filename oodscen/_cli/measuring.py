@@ -64,7 +64,7 @@ def score(
 ) -> None:
     """Measure rarity, OOD-ness and diversity of the texts in the file TEXTS (JSONL with `text`, or lines)."""
     from oodscen import Metrics, make_encoder, make_llm
-    from oodscen.baselines._texts import read_records
+    from oodscen.baselines._reading import read_records
 
     report: Any
     if table and band is not None:

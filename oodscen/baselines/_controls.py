@@ -15,8 +15,8 @@ from typing import Literal, overload
 from pydantic import Field
 
 from oodscen._arguments import checked
-from oodscen.baselines._off_topic import OffTopic, off_topic_texts
-from oodscen.baselines._texts import Split, bundled
+from oodscen.baselines._off_topic import OffTopic, Part, off_topic_texts
+from oodscen.baselines._texts import Split, bundled_records
 from oodscen.data._base import Data
 from oodscen.errors import UsageError
 
@@ -43,14 +43,12 @@ def load_controls(
 
 
 @overload
-def load_controls(
-    split: Split | Literal["blind"], *, off_topic: Literal[True]
-) -> tuple[OffTopic, ...]: ...
+def load_controls(split: Part, *, off_topic: Literal[True]) -> tuple[OffTopic, ...]: ...
 
 
 @checked
 def load_controls(
-    split: Split | Literal["blind"], *, off_topic: bool = False
+    split: Part, *, off_topic: bool = False
 ) -> tuple[ControlText, ...] | tuple[OffTopic, ...]:
     """Return one part of the bundled controls.
 
@@ -75,5 +73,4 @@ def load_controls(
 
 @cache
 def _controls() -> tuple[ControlText, ...]:
-    lines = bundled("controls.jsonl").splitlines()
-    return tuple(ControlText.parse(line, source="controls.jsonl") for line in lines)
+    return bundled_records(ControlText, "controls.jsonl")

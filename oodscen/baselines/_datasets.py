@@ -16,14 +16,13 @@ an issue for every deviation from the data set's format. Empty entries are skipp
 withheld answer, an object without a description, the unused columns of a short clip.
 """
 
-import csv
 import json
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, get_args
 
-from oodscen.baselines._texts import Rows, csv_reader, csv_rows
+from oodscen.baselines._reading import CsvTable, read_csv
 from oodscen.errors import Issue, UnknownComponent, UsageError
 
 LayoutName = Literal["drivelm", "nuscenes", "talk2car", "bdd-x", "cityflow-nl"]
@@ -58,7 +57,7 @@ class FileLayout:
     more: tuple[str, ...]
     """Kinds that are read on request."""
     read: Callable[[Any], Found]
-    """Takes the decoded JSON document, or the rows of a CSV file as mappings."""
+    """Takes the decoded JSON document, or a CSV file."""
     is_csv: bool = False
 
 
@@ -68,8 +67,8 @@ def recognise(content: str, suffix: str) -> tuple[FileLayout, Any] | None:
     `None` for any other file.
     """
     if suffix == ".csv":
-        rows = csv_reader(content)
-        return (LAYOUTS["bdd-x"], rows) if set(_BDD_X) <= set(_header(rows)) else None
+        table = read_csv(content)
+        return (LAYOUTS["bdd-x"], table) if set(_BDD_X) <= set(table.header) else None
     if suffix != ".json":
         return None
     try:
@@ -83,9 +82,9 @@ def recognise(content: str, suffix: str) -> tuple[FileLayout, Any] | None:
 def parse(content: str, layout: FileLayout) -> Any:
     """Return the input of the layout's reader, or an issue if the content is not of that format."""
     if layout.is_csv:
-        rows = csv_reader(content)
-        missing = [column for column in _BDD_X if column not in _header(rows)]
-        return Issue("line 1", f"has no column {missing[0]!r}") if missing else rows
+        table = read_csv(content)
+        missing = [column for column in _BDD_X if column not in table.header]
+        return Issue(f"line {table.line}", f"has no column {missing[0]!r}") if missing else table
     try:
         return json.loads(content)
     except (ValueError, RecursionError) as error:
@@ -133,13 +132,6 @@ def _recognise_json(document: Any) -> LayoutName | None:
     if isinstance(first, dict) and "nl" in first:
         return "cityflow-nl"
     return None
-
-
-def _header(rows: Rows) -> tuple[str, ...]:
-    try:
-        return tuple(rows.fieldnames or ())
-    except csv.Error:
-        return ()
 
 
 # ---------------------------------------------------------------- DriveLM
@@ -241,16 +233,16 @@ def _talk2car(document: Any) -> Found:
             yield from _texts("command", item["command"], f"commands[{index}].command")
 
 
-def _bdd_x(rows: Rows) -> Found:
+def _bdd_x(table: CsvTable) -> Found:
     """Read the columns `Answer.<k>action` and `Answer.<k>justification`, k from 1 to 15."""
-    columns = [name for name in _header(rows) if re.fullmatch(r"Answer\.\d+action", name)]
-    for _, row in csv_rows(rows):
+    columns = [name for name in table.header if re.fullmatch(r"Answer\.\d+action", name)]
+    for row in table.rows:
         if isinstance(row, Issue):
             yield row
             continue
         for column in columns:
-            action = (row.get(column) or "").strip()
-            reason = (row.get(column.removesuffix("action") + "justification") or "").strip()
+            action = row.fields.get(column, "").strip()
+            reason = row.fields.get(column.removesuffix("action") + "justification", "").strip()
             if not action:
                 continue
             yield DatasetText("action", action)

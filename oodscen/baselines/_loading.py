@@ -17,7 +17,8 @@ from oodscen.baselines._datasets import (
 )
 from oodscen.baselines._handwritten import handwritten_driving
 from oodscen.baselines._ordinary import ordinary_driving
-from oodscen.baselines._texts import read_records, refuse
+from oodscen.baselines._reading import read_records
+from oodscen.baselines._texts import refuse
 from oodscen.errors import Issue, UsageError
 
 

@@ -8,12 +8,15 @@ written by an author who had seen neither these texts nor the guard.
 """
 
 from functools import cache
-from typing import Literal
+from typing import Literal, TypeAlias
 
 from pydantic import Field
 
-from oodscen.baselines._texts import Split, bundled
+from oodscen.baselines._texts import Split, bundled_records
 from oodscen.data._base import Data
+
+Part: TypeAlias = Split | Literal["blind"]
+"""Part of the off-topic texts."""
 
 
 class OffTopic(Data):
@@ -21,7 +24,7 @@ class OffTopic(Data):
 
     id: str
     kind: Literal["near-miss", "off-topic"]
-    split: Split | Literal["blind"]
+    split: Part
     """`tune` for the half of its kind with the smaller SHA-256 of "oodscen off-topic <id>", else `frozen`; or
     `blind`.
     """
@@ -30,12 +33,11 @@ class OffTopic(Data):
     text: str = Field(min_length=1)
 
 
-def off_topic_texts(split: Split | Literal["blind"]) -> tuple[OffTopic, ...]:
+def off_topic_texts(part: Part) -> tuple[OffTopic, ...]:
     """Return one part of the bundled texts, near misses first: `tune` to set a threshold, the others to report."""
-    return tuple(text for text in _texts() if text.split == split)
+    return tuple(text for text in _bundled() if text.split == part)
 
 
 @cache
-def _texts() -> tuple[OffTopic, ...]:
-    lines = bundled("off_topic.jsonl").splitlines()
-    return tuple(OffTopic.parse(line, source="off_topic.jsonl") for line in lines)
+def _bundled() -> tuple[OffTopic, ...]:
+    return bundled_records(OffTopic, "off_topic.jsonl")

@@ -81,8 +81,7 @@ def check_claims(
         elif claim.kind == "traffic":
             ordered.append(_traffic(claim, seen, taken))
         else:
-            holds, found, path = judge_surroundings(claim, scene, road, trace)
-            ordered.append(_finding(claim, holds, found, path))
+            ordered.append(_finding(claim, *judge_surroundings(claim, scene, road, trace)))
     return ordered
 
 

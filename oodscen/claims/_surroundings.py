@@ -2,6 +2,9 @@
 
 import math
 from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
 
 from oodscen.claims._actors import Verdict
 from oodscen.claims._roads import is_so_or_has
@@ -16,70 +19,92 @@ LIGHT_RAIN, HEAVY_RAIN = 2.5, 7.6
 """Upper limit of light rain and lower limit of heavy rain, mm/h (American Meteorological Society)."""
 LIGHT_SNOW, HEAVY_SNOW = 2.0, 4.0
 """The same limits for snow, as water equivalent; visual range and road surface are separate claims."""
+_HALF_COVER = 0.5
+"""Largest cloud cover of a clear sky, and least of a cloudy one."""
+_WET_FRICTION, _SLIPPERY_FRICTION = 0.85, 0.55
+"""Largest friction of wet and of slippery roads; of dry asphalt it is 1, of wet asphalt about 0.7."""
+_TWILIGHT_DEG = (-9.0, 6.0)
+"""Sun elevations of dusk and dawn, degrees: civil twilight and the minutes beside it."""
+_LOW_SUN_DEG = 15.0
+"""Largest elevation of a low sun, degrees."""
+_SPEED_KMH, _SPEED_SHARE = 6.0, 0.2
+"""Permitted difference between a stated speed of the ego and its own: km/h or a share, whichever is more."""
 _TURN_RAD = math.radians(50.0)
+"""Least change of heading that counts as a turn, rad."""
 
 
-def judge_surroundings(
-    claim: Claim, scene: Scene, road: RoadMap | None, trace: Trace
-) -> tuple[bool | None, str, str]:
-    """Compare a claim of kind weather, time, road, lanes, own_lanes, ego or ego_speed with a scene.
+class Judgement(NamedTuple):
+    """A verdict on a claim, with its reason."""
 
-    Returns:
-        The verdict, what the scene shows, and the path in the scene.
-    """
-    if claim.kind in ("weather", "time"):
-        test = {**_WEATHER, **_TIME}[claim.value]
-        return test(scene.weather), f"it is {_words(scene.weather)}", "weather"
+    holds: bool | None
+    """`None` if it cannot be decided."""
+    found: str
+    """Description of the content of the scene."""
+    path: str
+    """Path of the relevant part of the scene."""
+
+
+def judge_surroundings(claim: Claim, scene: Scene, road: RoadMap | None, trace: Trace) -> Judgement:
+    """Compare a claim of kind weather, time, road, lanes, own_lanes, ego or ego_speed with a scene."""
+    if claim.kind in _TESTS:
+        holds = _TESTS[claim.kind][claim.value](scene.weather)
+        return Judgement(holds, f"it is {_words(scene.weather)}", "weather")
     if claim.kind == "ego_speed":
         kmh, own = float(claim.value), 3.6 * scene.ego.speed
-        return (
-            abs(own - kmh) <= max(6.0, 0.2 * kmh),
-            f"the ego drives at {own:.0f} km/h",
-            "ego.speed",
-        )
+        is_near = abs(own - kmh) <= max(_SPEED_KMH, _SPEED_SHARE * kmh)
+        return Judgement(is_near, f"the ego drives at {own:.0f} km/h", "ego.speed")
     if claim.kind == "ego":
-        holds, found = _ego(claim.value, scene, road, trace)
-        return holds, found, "ego"
+        if claim.value.startswith("turns"):
+            return Judgement(*_turn(claim.value, trace), "ego")
+        return Judgement(*_lane(claim.value, scene, road), "ego")
     if road is None:
-        return None, f"nothing is known of {scene.map!r}", "map"
+        return Judgement(None, f"nothing is known of {scene.map!r}", "map")
     holds = is_so_or_has(claim, road)
-    return holds, f"the map is {road.description} ({scene.map})", "map"
+    return Judgement(holds, f"the map is {road.description} ({scene.map})", "map")
 
 
-def _ego(value: str, scene: Scene, road: RoadMap | None, trace: Trace) -> Verdict:
-    if value.startswith("turns"):
-        yaw = trace["yaw"][:, 0]
-        turned = math.remainder(float(yaw[-1] - yaw[0]), math.tau)
-        holds = turned > _TURN_RAD if value == "turns_left" else turned < -_TURN_RAD
-        return holds, f"the ego turns by {math.degrees(turned):.0f} degrees to the left"
+def _turn(value: str, trace: Trace) -> Verdict:
+    yaw = np.unwrap(trace["yaw"][:, 0])
+    turned = float(yaw[-1] - yaw[0])
+    side = "left" if turned > 0.0 else "right"
+    found = f"the ego turns by {math.degrees(abs(turned)):.0f} degrees to the {side}"
+    return value == f"turns_{side}" and abs(turned) > _TURN_RAD, found
+
+
+def _lane(value: str, scene: Scene, road: RoadMap | None) -> Verdict:
     if road is None:
         return None, f"nothing is known of {scene.map!r}"
     lane, last = scene.ego.lane, road.lanes - 1
-    holds = {"left_lane": lane == last, "right_lane": lane == 0, "middle_lane": 0 < lane < last}[
-        value
-    ]
+    match value:
+        case "left_lane":
+            holds = lane == last
+        case "right_lane":
+            holds = lane == 0
+        case _:
+            holds = 0 < lane < last
     return holds, f"the ego drives in lane {lane} of {road.lanes}, counted from the right"
 
 
 def _words(weather: Weather) -> str:
     sun = weather.sun_elevation_deg
-    rain = (
+    fall = (
         "dry"
         if weather.precipitation == "none"
         else f"{weather.precipitation} of {weather.precipitation_mm_h:g} mm/h"
     )
     return (
-        f"{rain}, the sun at {sun:g} degrees, visual range {weather.fog_visual_range_m:g} m, "
+        f"{fall}, the sun at {sun:g} degrees, visual range {weather.fog_visual_range_m:g} m, "
         f"cloud cover {weather.cloud_cover:g}, friction {weather.friction:g}"
     )
 
 
+# Claims are compared with tolerance: snow and ice on a road are wet, too, and half a sky of clouds is clear and cloudy.
 _WEATHER: Mapping[str, Callable[[Weather], bool]] = {
     "clear": lambda w: (
-        w.precipitation == "none" and w.fog_visual_range_m > MIST_M and w.cloud_cover <= 0.5
+        w.precipitation == "none" and w.fog_visual_range_m > MIST_M and w.cloud_cover <= _HALF_COVER
     ),
-    "cloudy": lambda w: w.cloud_cover >= 0.5,
-    "dry": lambda w: w.precipitation == "none" and w.friction >= 0.75,
+    "cloudy": lambda w: w.cloud_cover >= _HALF_COVER,
+    "dry": lambda w: w.precipitation == "none",
     "rain": lambda w: w.precipitation == "rain",
     "light_rain": lambda w: w.precipitation == "rain" and w.precipitation_mm_h <= LIGHT_RAIN,
     "heavy_rain": lambda w: w.precipitation == "rain" and w.precipitation_mm_h >= HEAVY_RAIN,
@@ -89,12 +114,14 @@ _WEATHER: Mapping[str, Callable[[Weather], bool]] = {
     "fog": lambda w: w.fog_visual_range_m <= FOG_M,
     "thick_fog": lambda w: w.fog_visual_range_m <= THICK_FOG_M,
     "mist": lambda w: w.fog_visual_range_m <= MIST_M,
-    "wet_road": lambda w: w.precipitation == "rain" or w.friction <= 0.85,
-    "slippery_road": lambda w: w.friction <= 0.55,
+    "wet_road": lambda w: w.precipitation == "rain" or w.friction <= _WET_FRICTION,
+    "slippery_road": lambda w: w.friction <= _SLIPPERY_FRICTION,
 }
 _TIME: Mapping[str, Callable[[Weather], bool]] = {
     "day": lambda w: w.sun_elevation_deg > 0.0,
     "night": lambda w: w.sun_elevation_deg < DARK_DEG,
-    "twilight": lambda w: -9.0 <= w.sun_elevation_deg <= 6.0,
-    "low_sun": lambda w: 0.0 < w.sun_elevation_deg <= 15.0,
+    "twilight": lambda w: _TWILIGHT_DEG[0] <= w.sun_elevation_deg <= _TWILIGHT_DEG[1],
+    "low_sun": lambda w: 0.0 < w.sun_elevation_deg <= _LOW_SUN_DEG,
 }
+_TESTS: Mapping[str, Mapping[str, Callable[[Weather], bool]]] = {"weather": _WEATHER, "time": _TIME}
+"""Tests of weather by kind and value of a claim."""

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from oodscen.baselines._texts import Record, read_records
+from oodscen.baselines._reading import Record, read_records
 from oodscen.errors import UsageError
 from oodscen.metrics._oodness import Definition
 from oodscen.metrics._rarity.anchors import PublishedRate

@@ -9,19 +9,17 @@ import numpy as np
 from oodscen.driving._roads.corridor import LaneStrip, PaintedArea
 from oodscen_pybullet._land.course import RoadCourse
 from oodscen_pybullet._land.ground import Ground
-from oodscen_pybullet._land.ribbons import (
-    PAINT,
-    Ribbons,
-    spanned_pieces,
-    whole_pieces,
+from oodscen_pybullet._land.polygons import (
+    is_convex,
+    rectangle_around,
+    without_straight_corners,
 )
+from oodscen_pybullet._land.ribbons import PAINT, Ribbons, spanned_pieces, whole_pieces
 from oodscen_pybullet._land.theme import Theme
 from oodscen_pybullet._land.ways import Way, strip_edges
-from oodscen_pybullet._types import Array, Mask
+from oodscen_pybullet._types import Array, Mask, Strings
 
-_PAINTED = ("solid", "broken")
-"""Marks that are painted."""
-_HALF_WIDTH_M, _HALF_WIDTH_OF_TWO_M = 0.075, 0.06
+_HALF_WIDTH_M, _HALF_WIDTH_DOUBLE_M = 0.075, 0.06
 """Half the width of a single line, and of each line of a double one, m."""
 _DOUBLE_M = 0.14
 """Distance of each line of a double one from their middle, m."""
@@ -62,46 +60,60 @@ def mark_lanes(
     dark = spanned_pieces(way, "tunnel")
     height = layer + PAINT
     for mark in _edge_marks(way):
-        where = free & mark.where
-        if mark.is_double:
-            for side in (-_DOUBLE_M, _DOUBLE_M):
-                _line(ribbons, mark.t + side, _HALF_WIDTH_OF_TWO_M, height, where, dark)
-        else:
-            _line(ribbons, mark.t, _HALF_WIDTH_M, height, where, dark)
+        double, single = free & mark.double, free & mark.single
+        for side in (-_DOUBLE_M, _DOUBLE_M):
+            _line(ribbons, mark.t + side, _HALF_WIDTH_DOUBLE_M, height, double, dark)
+        _line(ribbons, mark.t, _HALF_WIDTH_M, height, single, dark)
     for strip in way.corridor.strips:
         if strip.kind == "parking":
             _bays(way, ribbons, strip, height, outside)
 
 
 class _EdgeMark(NamedTuple):
-    """The mark along one edge of a strip."""
+    """The marks along one edge of a strip."""
 
     t: Array
     """[n] the edge's lateral offset, m."""
-    where: Mask
-    """[n - 1] the pieces that are painted."""
-    is_double: bool
+    single: Mask
+    """[n - 1] the pieces that carry a single line."""
+    double: Mask
+    """[n - 1] the pieces that carry a double line."""
 
 
 def _edge_marks(way: Way) -> Iterator[_EdgeMark]:
     """Yield the marks of a road from right to left: the rightmost edge, then the left one of each strip."""
     course, strips = way.course, way.corridor.strips
     right, left = strip_edges(way.corridor, course, strips[0])
-    if strips[0].right_mark in _PAINTED:
-        where = _painted(course, strips[0].right_mark, right, left - right)
-        yield _EdgeMark(right, where & ~_unmarked(course, strips[0], is_left=False), False)
+    marks = _marks_along(course, strips[0], is_left=False)
+    painted = _painted(course, marks, right, left - right)
+    yield _EdgeMark(right, painted, np.zeros_like(painted))
     for strip, neighbour in itertools.zip_longest(strips, strips[1:]):
-        if strip.mark in _PAINTED:
-            right, left = strip_edges(way.corridor, course, strip)
-            where = _painted(course, strip.mark, left, left - right)
-            where &= ~_unmarked(course, strip, is_left=True)
-            yield _EdgeMark(left, where, _parts_directions(strip, neighbour))
+        right, left = strip_edges(way.corridor, course, strip)
+        marks = _marks_along(course, strip, is_left=True)
+        painted = _painted(course, marks, left, left - right)
+        is_double = (marks == "solid") & _parts_directions(strip, neighbour)
+        yield _EdgeMark(left, painted & ~is_double, painted & is_double)
 
 
-def _painted(course: RoadCourse, mark: str, edge: Array, width: Array) -> Mask:
+def _marks_along(course: RoadCourse, strip: LaneStrip, *, is_left: bool) -> Strings:
+    """Return the mark on one edge of a strip along every piece, [n - 1].
+
+    Only paint changes: an edge with a kerb at the ego's start has one everywhere, and no other edge has any.
+    """
+    start = strip.mark if is_left else strip.right_mark
+    if start == "curb" or not strip.mark_changes:
+        return np.full(len(course.middles), start)
+    index = np.searchsorted([s for s, _, _ in strip.mark_changes], course.middles, side="right") - 1
+    marks = np.array([left if is_left else right for _, left, right in strip.mark_changes])
+    along = marks[np.maximum(index, 0)]
+    return np.where(along == "curb", start, along)
+
+
+def _painted(course: RoadCourse, marks: Strings, edge: Array, width: Array) -> Mask:
     """Return the pieces along which the edge of a strip of some width, [n], carries paint."""
     where = whole_pieces(width > _LANE_M) & (np.abs(np.diff(edge)) < _JUMP_M)
-    return where & _dashes(course) if mark == "broken" else where
+    is_painted: Mask = (marks == "solid") | ((marks == "broken") & _dashes(course))
+    return where & is_painted
 
 
 def _junction_share(way: Way) -> Array:
@@ -110,31 +122,26 @@ def _junction_share(way: Way) -> Array:
     return np.interp(way.course.s, road.s, road.in_junction.astype(np.float64))
 
 
-def _unmarked(course: RoadCourse, strip: LaneStrip, *, is_left: bool) -> Mask:
-    """Return the pieces along which a strip's edge has no mark, unlike at the ego's start."""
-    found = np.zeros(len(course.middles), bool)
-    for s, left, right in strip.mark_changes:
-        found[course.middles >= s] = (left if is_left else right) == "none"
-    return found
-
-
 def _interrupted(way: Way, outlines: Sequence[PaintedArea]) -> Mask:
-    """Return which pieces lie below a crosswalk or stop line, or between it and the junction."""
-    line, road = way.course, way.corridor
-    found = np.zeros(len(line.s) - 1, bool)
-    mouths = [0.0, road.length, *line.s[_junction_share(way) > 0.5].tolist()]
+    """Return which pieces lie below a crosswalk or stop line, or between it and the junction.
+
+    They have no marks over the whole width of the road.
+    """
+    course, road = way.course, way.corridor
+    found = np.zeros(len(course.s) - 1, bool)
+    mouths = [0.0, road.length, *course.s[_junction_share(way) > 0.5].tolist()]
     for outline in outlines:
-        points = np.asarray(outline.points, np.float64)
-        middle = points[:-1].mean(axis=0)
+        corners = outline.points[:-1]
+        middle = corners.mean(axis=0)
         s, t = road.locate(float(middle[0]), float(middle[1]))
-        right = float(np.interp(s, line.s, way.carriageway.right))
-        left = float(np.interp(s, line.s, way.carriageway.left))
+        right = float(np.interp(s, course.s, way.carriageway.right))
+        left = float(np.interp(s, course.s, way.carriageway.left))
         if not (0.0 <= s <= road.length and right < t < left):
             continue
-        places = [road.locate(x, y)[0] for x, y in points.tolist()]
+        places = [road.locate(x, y)[0] for x, y in corners.tolist()]
         places += [mouth for mouth in mouths if abs(mouth - s) < _MOUTH_M]
         first, last = min(places) + _TOUCH_M, max(places) - _TOUCH_M
-        found |= (line.s[1:] > first) & (line.s[:-1] < last)
+        found |= (course.s[1:] > first) & (course.s[:-1] < last)
     return found
 
 
@@ -151,20 +158,20 @@ def _line(ribbons: Ribbons, t: Array, half: float, height: float, where: Mask, d
 
 
 def _parts_directions(strip: LaneStrip, neighbour: LaneStrip | None) -> bool:
-    """Return whether the mark between a strip and the one on its left parts opposite lanes."""
-    if neighbour is None or strip.mark != "solid":
+    """Return whether a strip and the one on its left are lanes of opposite directions."""
+    if neighbour is None:
         return False
     are_lanes = strip.kind == neighbour.kind == "driving"
     return are_lanes and strip.direction != neighbour.direction
 
 
-def _bays(way: Way, ribbons: Ribbons, strip: LaneStrip, height: float, free: Mask) -> None:
+def _bays(way: Way, ribbons: Ribbons, strip: LaneStrip, height: float, outside: Mask) -> None:
     """Paint the lines between the bays of a parking strip."""
     course = way.course
     right, left = strip_edges(way.corridor, course, strip)
     bay = np.floor(course.s / _BAY_M)
     is_new = np.append(True, bay[1:] > bay[:-1])
-    for row in np.flatnonzero(free & (left - right > _BAY_WIDTH_M) & is_new).tolist():
+    for row in np.flatnonzero(outside & (left - right > _BAY_WIDTH_M) & is_new).tolist():
         x, y, z = float(course.x[row]), float(course.y[row]), float(course.z[row]) + height
         cos, sin = float(course.cos[row]), float(course.sin[row])
         a, b, half = float(right[row]), float(left[row]), _BAY_LINE_M
@@ -178,14 +185,15 @@ def _bays(way: Way, ribbons: Ribbons, strip: LaneStrip, height: float, free: Mas
 def paint_crossings(ground: Ground, ribbons: Ribbons) -> None:
     """Paint crosswalks as zebras, and stop lines."""
     for outline in ground.corridor.crosswalks:
-        points = np.asarray(outline.points, np.float64)
-        if len(points) > 1 and bool((points[0] == points[-1]).all()):
-            points = points[:-1]
-        if len(points) < 3:
+        outer = without_straight_corners(outline.points[:-1])
+        if len(outer) < 3:
             continue
-        x, y = points[:, 0], points[:, 1]
+        is_line = outline.kind == "stop_line"
+        if not is_convex(outer) or (len(outer) != 4 and not is_line):
+            outer = rectangle_around(outer)
+        x, y = outer[:, 0], outer[:, 1]
         corners = np.stack([x, y, ground.near(x, y).z + PAINT + _ABOVE_M], axis=1)
-        if outline.kind == "stop_line" or len(points) != 4:
+        if is_line:
             ribbons.patch(corners, "mark")
         else:
             _paint_zebra(corners, ribbons)

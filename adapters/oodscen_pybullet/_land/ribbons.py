@@ -76,21 +76,21 @@ class Ribbons:
         quads = np.stack([a[:-1], a[1:], b[1:], b[:-1]], axis=1)
         if where is not None:
             quads = quads[where]
-        self.quads(quads, np.broadcast_to(uv, (len(quads), 4, 2)))
+        self.add_quads(quads, np.broadcast_to(uv, (len(quads), 4, 2)))
 
-    def quads(self, quads: Array, uv: Array) -> None:
+    def add_quads(self, quads: Array, uv: Array) -> None:
         """Add quads, [n, 4, 3], counter-clockwise, with their atlas coordinates, [n, 4, 2]."""
         across, along = quads[:, 3] - quads[:, 0], quads[:, 1] - quads[:, 0]
         is_wide = np.abs(across).sum(axis=1, keepdims=True) > _NARROW_M
         across = np.where(is_wide, across, quads[:, 2] - quads[:, 1])
         normal = np.cross(along, across)
         length = np.sqrt((normal * normal).sum(axis=1, keepdims=True))
-        keep = length[:, 0] > _NO_AREA
+        has_area = length[:, 0] > _NO_AREA
         normal = normal / np.maximum(length, _NO_AREA)
         order = [0, 1, 2, 0, 2, 3]
-        self._vertices.append(quads[keep][:, order].reshape(-1, 3))
-        self._uvs.append(uv[keep][:, order].reshape(-1, 2))
-        self._normals.append(np.repeat(normal[keep], 6, axis=0))
+        self._vertices.append(quads[has_area][:, order].reshape(-1, 3))
+        self._uvs.append(uv[has_area][:, order].reshape(-1, 2))
+        self._normals.append(np.repeat(normal[has_area], 6, axis=0))
 
     def patch(self, points: Sequence[Sequence[float]] | Array, colour: str) -> None:
         """Add a convex polygon, counter-clockwise seen from above, and shade it as if it were level."""

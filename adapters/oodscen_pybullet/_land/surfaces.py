@@ -217,7 +217,7 @@ def _close_ends(ribbons: Ribbons, median: _Band) -> None:
         (ax, ay, az), (bx, by, bz) = low[row].tolist(), high[row].tolist()
         face = np.array([upright((bx, by), (ax, ay), az, bz)])
         is_beginning = number % 2 == 0
-        ribbons.quads(face if is_beginning else face[:, [1, 0, 3, 2]], uv)
+        ribbons.add_quads(face if is_beginning else face[:, [1, 0, 3, 2]], uv)
 
 
 def _raise_tunnel_walk(ribbons: Ribbons, band: _Band) -> None:

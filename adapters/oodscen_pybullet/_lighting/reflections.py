@@ -35,10 +35,10 @@ def add_reflections(
 ) -> None:
     """Reflect objects and the sky in wet ground.
 
-    Column by column, the picture above the line where ground and background meet is mirrored at that
-    line: exact for upright objects, a good approximation for the rest. Rough wet asphalt smears the
-    reflection into streaks; a puddle keeps it sharp. A column without background above the ground has
-    nothing to mirror, and stays as it is.
+    Column by column, the picture above the ground is mirrored at the lowest row of the background. That row
+    is not mirrored itself: reflections of upright objects are one row too high, and the rest is approximate.
+    Rough wet asphalt smears the reflection into streaks; a puddle keeps it sharp. A column without background
+    above the ground has nothing to mirror, and stays as it is.
 
     Args:
         image: [height, width, 3], changed in place.
@@ -50,24 +50,25 @@ def add_reflections(
     """
     height, width = depth.shape
     one, zero = np.float32(1.0), np.float32(0.0)
-    base = np.full(width, -1, np.int32)
+    mirror_row = np.full(width, -1, np.int32)
     reflection = np.zeros((width, 3), np.float32)
     for y in range(height):
         for x in range(width):
-            near = depth[y, x]
+            distance = depth[y, x]
             is_water = kinds[y, x] & MIRROR != 0
             is_ground = is_water or (
-                kinds[y, x] & (GROUND | SHELTERED | SOFT) == GROUND and near < _FARTHEST_M
+                kinds[y, x] & (GROUND | SHELTERED | SOFT) == GROUND and distance < _FARTHEST_M
             )
             if not is_ground:
-                base[x] = y
-                for e in range(3):
-                    reflection[x, e] = np.float32(image[y, x, e])
+                # Rows come from top to bottom: the last one to be kept is the lowest of the background.
+                mirror_row[x] = y
+                for channel in range(3):
+                    reflection[x, channel] = np.float32(image[y, x, channel])
                 continue
-            if base[x] < 0 or (not is_water and wet <= zero):
+            if mirror_row[x] < 0 or (not is_water and wet <= zero):
                 continue
-            source = max(2 * base[x] - y, 0)
-            grazing = near / (near + _GRAZING_M)
+            source = max(2 * mirror_row[x] - y, 0)
+            grazing = distance / (distance + _GRAZING_M)
             if is_water:
                 column, share, keep = x, _WATER + _WATER_GRAZING * grazing, _RIPPLE
             else:
@@ -79,12 +80,12 @@ def add_reflections(
             grey = (grey + np.float32(image[source, column, 2])) * np.float32(1.0 / 3.0)
             # The sky near the horizon is paler than the sky above, and water is murky.
             pale = _PALE if depth[source, column] > _SKY_M else zero
-            for e in range(3):
-                mirrored = np.float32(image[source, column, e])
+            for channel in range(3):
+                mirrored = np.float32(image[source, column, channel])
                 mirrored += (grey * _PALE_GREY - mirrored) * pale
                 # A lamp is far brighter than the largest value that a picture can hold.
                 mirrored += gain * max(mirrored - _LAMP, zero)
-                reflection[x, e] = reflection[x, e] * keep + mirrored * (one - keep)
-                before = np.float32(image[y, x, e])
-                after = before + (reflection[x, e] - before) * share
-                image[y, x, e] = np.uint8(min(after + np.float32(0.5), np.float32(255.0)))
+                reflection[x, channel] = reflection[x, channel] * keep + mirrored * (one - keep)
+                before = np.float32(image[y, x, channel])
+                after = before + (reflection[x, channel] - before) * share
+                image[y, x, channel] = np.uint8(min(after + np.float32(0.5), np.float32(255.0)))

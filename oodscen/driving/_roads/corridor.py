@@ -91,7 +91,7 @@ class PaintedArea:
 
     kind: Literal["crosswalk", "stop_line"]
     points: NDArray[np.float64] = field(repr=False)
-    """[n, 2] corners in world coordinates, counter-clockwise, m."""
+    """[n, 2] corners in world coordinates, counter-clockwise, m; the first comes last again."""
 
 
 @dataclass(frozen=True)

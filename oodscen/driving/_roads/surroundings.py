@@ -107,6 +107,8 @@ def painted_areas(road: Road) -> list[PaintedArea]:
             beyond = s - min(max(s, 0.0), road.length)
             x, y = place.x + beyond * along, place.y + beyond * across
             points.append((_rounded(x - t * across), _rounded(y + t * along)))
+        if points[0] != points[-1]:
+            points.append(points[0])
         twice_area = sum(
             ax * by - bx * ay
             for (ax, ay), (bx, by) in zip(points, points[1:] + points[:1], strict=True)

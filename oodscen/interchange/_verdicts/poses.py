@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from oodscen._csv import csv_fault
 from oodscen._display import Brief
 from oodscen._files import read_regular
 from oodscen.errors import DataError, Issue
@@ -106,7 +107,7 @@ def _plain_rows(text: str, source: str) -> Iterator[Row]:
     try:
         given = table.fieldnames or ()
     except csv.Error as error:
-        raise _fault("line 1", _in_words(error), source) from None
+        raise _fault("line 1", csv_fault(error), source) from None
     if missing := [name for name in COLUMNS if name not in given]:
         needed = ", ".join(COLUMNS)
         raise _fault("line 1", f"no column {', '.join(missing)}; needed: {needed}", source)
@@ -131,13 +132,7 @@ def _table_rows(table: "csv.DictReader[str]", source: str) -> Iterator[dict[str,
     try:
         yield from table
     except csv.Error as error:
-        raise _fault(f"line {table.line_num + 1}", _in_words(error), source) from None
-
-
-def _in_words(error: csv.Error) -> str:
-    """Return what is wrong with a table; the module's own words for a long field name a limit of its code."""
-    words, limit = str(error), csv.field_size_limit()
-    return f"a field has more than {limit:,} characters" if "field limit" in words else words
+        raise _fault(f"line {table.line_num + 1}", csv_fault(error), source) from None
 
 
 def _esmini_rows(lines: Sequence[str], source: str) -> Iterator[Row]:

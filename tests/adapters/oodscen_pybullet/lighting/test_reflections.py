@@ -67,3 +67,54 @@ def test_the_sky_is_mirrored_paler_than_it_is() -> None:
     water = image[30].astype(int)
     assert (water[:, 2] > water[:, 0]).all()
     assert (water[:, 2] - water[:, 0] < 0.4 * (220 - 90)).all()
+
+
+def graded(kind: int, wet: float, seed: int = 1, gain: float = 0.0, lamp: int = 0) -> np.ndarray:
+    """Return black ground, [20, 30], below a wall that brightens downwards from 5 to 100, with lamps in its row 12."""
+    image = np.zeros((40, 30, 3), np.uint8)
+    image[:20] = (5 * np.arange(1, 21))[:, None, None]
+    image[12] = np.maximum(image[12], lamp)
+    depth = np.full((40, 30), 20.0, np.float32)
+    kinds = np.full((40, 30), PLAIN, np.uint8)
+    kinds[20:] = kind
+    add_reflections(
+        image, depth, kinds, np.float32(wet), np.float32(gain), np.uint32(seed)
+    )  # fmt: skip
+    return image[20:, :, 0].astype(int)
+
+
+def test_water_mirrors_a_wall_upside_down_and_row_by_row() -> None:
+    rows = graded(MIRROR, 0.0)
+    assert (rows == rows[:, :1]).all()
+    assert (np.diff(rows[:, 0]) <= 0).all()
+    share = rows[1:12, 0] / (95 - 5 * np.arange(1, 12))
+    assert np.ptp(share) < 0.15  # A smear of the lowest row would double it on the way.
+
+
+def test_a_rough_road_scatters_what_it_mirrors_by_its_seed() -> None:
+    columns = np.arange(30)
+    image = np.zeros((40, 30, 3), np.uint8)
+    image[:20] = (8 * columns)[None, :, None]
+    depth, kinds = np.full((40, 30), 20.0, np.float32), np.full((40, 30), PLAIN, np.uint8)
+    kinds[20:] = GROUND
+    roads = []
+    for seed in (1, 1, 2):
+        road = image.copy()
+        add_reflections(road, depth, kinds, np.float32(1.0), np.float32(0.0), np.uint32(seed))
+        roads.append(road[20:, :, 0].astype(int))
+    assert (roads[0] == roads[1]).all()
+    assert (roads[0] != roads[2]).any()
+    share = (20.0 / 33.0) ** 2
+    for road in (roads[0], roads[2]):
+        straight = road[10:] - share * 8 * columns
+        assert np.ptp(straight[:, 5:25], axis=0).max() > 0
+        assert np.abs(straight[:, 5:25]).max() < 8.0
+
+
+def test_a_lamp_is_reflected_brighter_with_gain_and_nothing_else_is() -> None:
+    for kind, wet in ((MIRROR, 0.0), (GROUND, 0.6)):
+        lit, more = graded(kind, wet, lamp=255), graded(kind, wet, lamp=255, gain=10.0)
+        assert more.max() > lit.max() + 5
+        assert (graded(kind, wet) == graded(kind, wet, gain=10.0)).all()
+        below = graded(kind, wet, lamp=205)
+        assert (below == graded(kind, wet, lamp=205, gain=10.0)).all()
