@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._arguments import checked
+from oodscen._numbers import said, whole_number
+from oodscen._text import text_fault
 from oodscen.encoders._similarity import Vectors
 from oodscen.errors import UnknownComponent, UsageError
 from oodscen.metrics._measurements import size_curve_of
@@ -32,6 +34,11 @@ Named = Mapping[str, Sequence[float] | NDArray[np.float64]]
 PlotKind = Literal["distribution", "size_curve", "map"]
 
 _SIZES = 12
+_MOST_REPEATS = 10_000
+_LARGEST = 1e12
+"""Largest number that can be drawn: beyond, ticks of an axis lie closer than numbers do."""
+_UNIT_ERROR = 1e-3
+"""Permitted difference of a vector's length from 1, as of vectors in half precision."""
 
 
 @checked
@@ -61,8 +68,14 @@ def plot(
         reference: The set that determines the axes of a map, e.g. the baseline; by default all sets together.
 
     Raises:
-        UsageError: If a set is empty or too small, or there is no such kind or reference.
+        UsageError: If a set cannot be drawn in this way, there is no such kind or reference, or a reference is
+            given that plays no part.
     """
+    if reference is not None and kind != "map":
+        raise UsageError(f"a {kind.replace('_', ' ')} has no reference; only a map does")
+    for name in sets:
+        if fault := text_fault(name):
+            raise UsageError(f"the name of a set, {said(name)}, {fault}")
     if kind == "distribution":
         return _distributions(sets, label)
     if kind == "size_curve":
@@ -82,11 +95,14 @@ def _distributions(sets: Named, label: str) -> "Figure":
 
 
 def _size_curve(sets: Mapping[str, Vectors], *, repeats: int, seed: int) -> "Figure":
+    whole_number("repeats", repeats, 1, _MOST_REPEATS)
     curves = []
     for name, values in _filled(sets).items():
         vectors = _numbers(name, values, 2)
         if len(vectors) < 2:
             raise UsageError(f"the set {name!r} has one text, and diversity needs two")
+        if (np.abs(np.linalg.norm(vectors, axis=1) - 1.0) > _UNIT_ERROR).any():
+            raise UsageError(f"the set {name!r} must be vectors of unit length for a size curve")
         sizes, means, spreads = size_curve_of(
             vectors, seed, name, count=_SIZES, repeats=repeats, most=len(vectors)
         )
@@ -115,14 +131,16 @@ def _numbers(name: str, values: Any, axes: int) -> NDArray[Any]:
         UsageError: If it is anything else.
     """
     try:
-        found = np.asarray(values, getattr(values, "dtype", np.float64))
-        is_sound = found.dtype.kind == "f" and found.ndim == axes and np.isfinite(found).all()
+        found = np.asarray(values)
+        is_sound = found.dtype.kind in "iuf" and found.ndim == axes and found.size > 0
+        is_sound = is_sound and bool((np.abs(found) <= _LARGEST).all())
     except (TypeError, ValueError):
         is_sound = False
     if not is_sound:
         wanted = "scores" if axes == 1 else "vectors, [n, d]"
-        raise UsageError(f"the set {name!r} must be {wanted}, all of them finite numbers")
-    return found
+        limit = f"all of them finite numbers up to {_LARGEST:g}"
+        raise UsageError(f"the set {name!r} must be {wanted}, {limit}")
+    return found if found.dtype.kind == "f" else found.astype(np.float64)
 
 
 def _filled(sets: Mapping[str, T]) -> Mapping[str, T]:

@@ -60,12 +60,35 @@ def test_nothing_to_draw_is_refused():
         plot({"a": rows(0, 1)}, "size_curve")
     with pytest.raises(UsageError):
         plot({"a": rows(0, 3)}, "map", reference="b")
-    for bad in ([math.nan], ["x"], np.ones((2, 3)), [[1.0], [1.0, 2.0]]):
+    for bad in ([math.nan], ["x"], ["1"], [True], [1e13], np.ones((2, 3)), [[1.0], [1.0, 2.0]]):
         with pytest.raises(UsageError, match="scores"):
             plot({"a": bad})
-    for bad in (np.full((4, 3), math.nan), np.ones(4), ["x", "y"]):
+    for bad in (np.full((4, 3), math.nan), np.ones(4), ["x", "y"], np.ones((2, 0))):
         for kind in ("map", "size_curve"):
             with pytest.raises(UsageError, match="vectors"):
                 plot({"a": bad}, kind)
     with pytest.raises(UsageError, match="lengths"):
         plot({"a": rows(0, 3), "b": rows(0, 3)[:, :2]}, "map")
+    with pytest.raises(UsageError, match="UTF-8"):
+        plot({"\ud800": [1.0]})
+
+
+def test_options_of_another_kind_or_beyond_their_range_are_refused():
+    sets = {"a": rows(0, 3)}
+    for bad in (0, -1, 10**9):
+        with pytest.raises(UsageError, match="repeats"):
+            plot(sets, "size_curve", repeats=bad)
+    for kind in ("distribution", "size_curve"):
+        with pytest.raises(UsageError, match="only a map"):
+            plot(sets, kind, reference="a")
+
+
+@pytest.mark.parametrize("factor", [0.0, 0.5, 3.0])
+def test_a_size_curve_is_of_unit_vectors(factor):
+    with pytest.raises(UsageError, match="unit length"):
+        plot({"a": rows(0, 5) * factor}, "size_curve")
+
+
+def test_whole_numbers_are_numbers():
+    assert words(plot({"a": [1, 2]})) == words(plot({"a": [1.0, 2.0]}))
+    assert len(plot({"a": [[1, 0], [0, 1]]}, "size_curve", repeats=1).axes[0].patches) == 2
