@@ -4,15 +4,36 @@ Python drops an exception that is raised within a finaliser or a callback, such 
 standard error. An interruption is therefore raised again as long as nothing handles it.
 """
 
+import os
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from types import FrameType
-from typing import NoReturn
+from typing import Any, NoReturn
 
 AGAIN_S = 0.5
 """Time after which a dropped interruption is raised again, s."""
+
+
+def in_this_process(
+    handler: Callable[[int, FrameType | None], None], before: Mapping[int, Any]
+) -> Callable[[int, FrameType | None], None]:
+    """Return a signal handler that is in force in this process alone.
+
+    A fork, such as a worker of a component's pool, inherits it, and takes the handlers of before at its first signal.
+    """
+    owner = os.getpid()
+
+    def handle(number: int, frame: FrameType | None) -> None:
+        if os.getpid() == owner:
+            handler(number, frame)
+            return
+        for one, former in before.items():
+            signal.signal(one, former)
+        signal.raise_signal(number)
+
+    return handle
 
 
 def raise_until_handled(interruption: Callable[[], KeyboardInterrupt]) -> NoReturn:

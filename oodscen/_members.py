@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from oodscen._numbers import finite_number
 from oodscen._redaction import redact
-from oodscen._text import one_line, printable, whole
+from oodscen._text import is_name, one_line, printable, whole
 from oodscen.data._catalogue import Catalogue
 from oodscen.errors import (
     DataError,
@@ -121,7 +121,7 @@ def _fault(kind: str, made: Any, name: str) -> str:
     if name == "name":
         if not isinstance(value, str):
             return f"has a name that is {described(value)}, not a text"
-        return "" if value.strip() and whole(value) == value else f"has the unusable name {value!r}"
+        return "" if is_name(value) else f"has the unusable name {value[:100]!r}"
     with suppress(UsageError):
         finite_number(name, value, SHORTEST_DT, LONGEST_DT)
         return ""

@@ -22,7 +22,7 @@ from pathlib import Path
 from types import FrameType, TracebackType
 from typing import Any, ParamSpec, TypeVar
 
-from oodscen._interrupts import raise_until_handled, unreported
+from oodscen._interrupts import in_this_process, raise_until_handled, unreported
 from oodscen.errors import OodscenError, RunStopped, UsageError
 
 Parameters = ParamSpec("Parameters")
@@ -267,7 +267,7 @@ def serve(connection: Connection) -> None:
     atexit.register(_end_group)  # The first to be registered is the last to run.
     calls: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     try:
-        signal.signal(signal.SIGTERM, _leave)
+        signal.signal(signal.SIGTERM, in_this_process(_leave, {signal.SIGTERM: signal.SIG_DFL}))
         threading.Thread(target=_listen, args=(connection, calls), daemon=True).start()
         connection.send(None)
         with unreported(KeyboardInterrupt):

@@ -76,6 +76,14 @@ def is_visible(text: str) -> bool:
     return any(unicodedata.category(char)[0] in "LNPS" and char not in BLANK for char in text)
 
 
+def is_name(text: str) -> bool:
+    """Return whether a text is visible and on one line, without halves and what could control a terminal."""
+    return is_visible(text) and printable(text) == text and not _BREAK.search(text)
+
+
+_BREAK = re.compile("[\t\n\u2028\u2029]")
+
+
 @lru_cache(maxsize=16_384)
 def stem(word: str) -> str:
     """Return the stem that the inflections of an English word share: `blocked` and `blocking` give `block`.

@@ -57,9 +57,9 @@ _ADDRESSED = re.compile(
             r"\b(?:in|as|to)\s+your\s+(?:\w+\s+)?(?:answer|response|reply|output)\b",
             r"\b(?:the|your) (?:correct|right|only|final|expected) (?:answer|response|output|decision)\b",
             r"\banswer\s*(?:[:=]|(?:is|was|must be|should be|would be|will be)\b)",
-            # an option by its letter: "option B", "answer (C)", "choice: D"
-            r"\b(?:option|answer|choice)(?:\s+is\b)?[\s:=]+[(\[\"'“‘]*(?-i:[B-H]|A(?!\s+(?!because|since|and|or|is|as)[a-z]))(?![\w'’-])",
-            r"\b(?:choose|pick|select|correct)[\s:]+[(\[\"'“‘]*(?-i:[A-H])\W*$",
+            # an option by its letter: "option B", "answer (C)", "choice: d"
+            r"\b(?:option|answer|choice)(?:\s+is\b)?[\s:=]+[(\[\"'“‘]*(?-i:[B-Hb-h]|[Aa](?!\s+(?!because|since|and|or|is|as)[a-z]))(?![\w'’-])",
+            r"\b(?:choose|pick|select|correct)[\s:]+[(\[\"'“‘]*(?-i:[A-Hb-h])\W*$",
             # a role for the reader: "you are now ...", "you must ...", "act as an assistant"
             r"\byou (?:are (?:now|no longer|(?:an? |the )?(?:ai|assistant|language model|chatbot|judge|grader))"
             r"|must|should|shall|have to|need to|will)\b",
@@ -134,12 +134,20 @@ def description_fault(text: str) -> str:
     """Return why a model's words are no text of a scenario, as a predicate, or an empty string."""
     if is_refusal(text):
         return "is a refusal: describe a situation in traffic"
-    if _LISTED.match(text):
+    if _LISTED.match(seen(text)) or _is_enclosed(text.strip()[:1]):
         return "begins with the number or mark of a list: leave that out"
     return wording_fault(one_line(text))
 
 
-_LISTED = re.compile(r"\s*(?:\d{1,3}[.)]|[-*+\u2022]|\(?[A-Za-z][.)]|\(\d{1,3}\))\s")
+_LISTED = re.compile(r"\s*(?:\d{1,3}[.):]|[-*+\u2022]|\(?[A-Za-z][.):]|\(\d{1,3}\))\s")
+
+
+def _is_enclosed(char: str) -> bool:
+    """Return whether a character is one in a circle, a square or brackets, as options are marked."""
+    return bool(_ENCLOSED.search(unicodedata.name(char, ""))) if char else False
+
+
+_ENCLOSED = re.compile(r"\b(?:CIRCLED|SQUARED|PARENTHESIZED)\b")
 
 
 def appearance_fault(text: str) -> str:
@@ -153,6 +161,8 @@ def appearance_fault(text: str) -> str:
     shown = seen(text)
     if match := _MARK.search(shown):
         return f"contains {match[0]!r}: plain words without markup are wanted"
+    if enclosed := next(filter(_is_enclosed, text), ""):
+        return f"contains {enclosed!r}: plain words without marks of options are wanted"
     if _ADDRESS.search(shown):
         return "contains an address: plain words are wanted"
     return ""

@@ -5,6 +5,8 @@ from typing import Any
 import pytest
 
 from oodscen import Metrics
+from oodscen._members import conforming
+from oodscen.errors import UsageError
 from oodscen.judging._references import is_reference, takes_cases
 from oodscen.llm._ask import speaker
 from oodscen.testing import ScriptedLLM
@@ -33,6 +35,21 @@ def test_a_model_with_odd_attributes_is_a_plain_model(kind: type[ScriptedLLM]) -
     assert not is_reference(model)
     assert not takes_cases(model)
     assert speaker(model) == model.name
+
+
+@pytest.mark.parametrize(
+    "name", ["a\nb", "a\tb", "a\u2028b", "a\x1b[31m", "a\u202eb", "a\ud800", " ", "\u200b", "a\n"]
+)
+@pytest.mark.parametrize("kind", ["encoder", "llm"])
+def test_a_name_is_visible_and_on_one_line(kind: str, name: str) -> None:
+    made: Any = HashEncoder() if kind == "encoder" else ScriptedLLM(lambda request: "")
+    for usable in ("a b", "all-MiniLM-L6-v2@1a2b", "模型", "modèle  2"):
+        made.name = usable
+        assert conforming(kind, made) is made
+    made.name = name
+    with pytest.raises(UsageError, match="has the unusable name") as caught:
+        conforming(kind, made)
+    assert str(caught.value).isprintable()
 
 
 def test_an_encoder_whose_attributes_raise_is_not_cached() -> None:

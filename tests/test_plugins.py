@@ -255,11 +255,16 @@ def test_an_encoder_that_fails_while_it_works(encoded, tmp_path, module):
     called(1, "score", tmp_path / "t.txt", "--encoder", "faulty_plugins:Encoder")
 
 
-@pytest.mark.parametrize("dimension", [None, "4", -1, 3.5, unreadable])
-def test_an_encoder_of_no_dimension(dimension):
-    encoder = having(dimension=dimension, encode=lambda self, texts: rows(texts))()
+@pytest.mark.parametrize(
+    ("dimension", "width"),
+    [(None, 4), ("4", 4), (-1, 4), (0, 0), (3.5, 4), (4.0, 4), (True, 1), (unreadable, 4)],
+)
+def test_an_encoder_of_no_dimension(dimension, width):
+    encoder = having(dimension=dimension, encode=lambda self, texts: rows(texts, width=width))()
     with pytest.raises(EncoderError, match="bare"):
         encode(encoder, ["A deer."])
+    with pytest.raises(EncoderError, match="bare"):
+        Metrics(encoder).diversity(["A deer.", "A sofa."])
 
 
 @pytest.mark.parametrize(

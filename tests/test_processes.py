@@ -134,6 +134,21 @@ def test_an_interruption_that_a_callback_drops_comes_again(begun, tmp_path, capf
     assert capfd.readouterr().err == ""
 
 
+def ended_fork():
+    """Return the exit code of a fork of this process that is told to end."""
+    child = os.fork()
+    if not child:
+        try:
+            signal.raise_signal(signal.SIGTERM)
+        finally:
+            os._exit(0)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+
+def test_a_fork_of_a_worker_ends_at_a_signal(pool):
+    assert pool.submit(ended_fork).result() == -signal.SIGTERM
+
+
 LEAVING_ONE = """
 import subprocess
 child = subprocess.Popen(["sleep", "600"])

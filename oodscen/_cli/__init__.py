@@ -38,7 +38,7 @@ from oodscen._cli import (
 from oodscen._cli.groups import CommandGroup
 from oodscen._cli.help import COMMANDS, sections_of
 from oodscen._cli.output import drop_output, say, shortened
-from oodscen._interrupts import raise_until_handled, unreported
+from oodscen._interrupts import in_this_process, raise_until_handled, unreported
 from oodscen._processes import ending_children
 from oodscen._redaction import redact
 from oodscen._text import printable, text_fault
@@ -152,12 +152,13 @@ def _interruptible() -> Iterator[None]:
         received.append(number)
         raise_until_handled(lambda: _Interrupt(number))
 
+    handler = in_this_process(interrupt, before)
     try:
         if threading.current_thread() is threading.main_thread():
             for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
                 if signal.getsignal(number) is not signal.SIG_IGN:
                     before[number] = signal.getsignal(number)
-                    signal.signal(number, interrupt)
+                    signal.signal(number, handler)
         with unreported(_Interrupt):
             yield
     except (OodscenError, click.ClickException, click.exceptions.Exit):
@@ -169,8 +170,8 @@ def _interruptible() -> Iterator[None]:
     finally:
         if signal.SIGALRM in before:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
-        for one, handler in before.items():
-            signal.signal(one, handler)
+        for one, former in before.items():
+            signal.signal(one, former)
 
 
 def _without(order: list[str], option: str) -> list[str]:

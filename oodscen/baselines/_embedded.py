@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from oodscen._display import Brief
 from oodscen._files import read_utf8, refuse_special, replace, writing
 from oodscen._json import parse_object
-from oodscen.encoders._check import encode
+from oodscen.encoders._check import dimension, encode
 from oodscen.errors import DataError, Issue, MissingExtra, UsageError
 from oodscen.protocols import Encoder
 
@@ -90,13 +90,14 @@ def write_embeddings(path: str | Path, encoder: Encoder, texts: Iterable[str]) -
             while batch := list(islice(source, _BATCH)):
                 encode(encoder, batch).tofile(stream)
                 count += len(batch)
-        header = {"descr": "<f4", "fortran_order": False, "shape": (count, encoder.dimension)}
+        length = dimension(encoder)
+        header = {"descr": "<f4", "fortran_order": False, "shape": (count, length)}
         with whole.open("wb") as stream, part.open("rb") as rows:
             np.lib.format.write_array_header_1_0(stream, header)
             while block := rows.read(1 << 24):
                 stream.write(block)
         whole.replace(file)
-    about = {"encoder": encoder.name, "n": count, "dimension": encoder.dimension}
+    about = {"encoder": encoder.name, "n": count, "dimension": length}
     replace(_about(file), f"{json.dumps(about)}\n".encode())
     return count
 
@@ -117,10 +118,10 @@ def open_embeddings(path: str | Path, encoder: Encoder) -> EmbeddedBaseline:
             f"{file.name} holds embeddings of {maker}, not of {encoder.name}: use that encoder, or write "
             "them again with `Metrics.write_embeddings`"
         )
-    if rows.shape[1] != encoder.dimension or not len(rows):
-        fault = f"has the shape {rows.shape}, not [N, {encoder.dimension}] with N at least 1"
+    if rows.shape[1] != (length := dimension(encoder)) or not len(rows):
+        fault = f"has the shape {rows.shape}, not [N, {length}] with N at least 1"
         raise DataError("embeddings", [Issue("", fault)], source=str(file))
-    return EmbeddedBaseline(file, rows, maker, encoder.dimension)
+    return EmbeddedBaseline(file, rows, maker, length)
 
 
 def _about(file: Path) -> Path:

@@ -19,7 +19,7 @@ from oodscen._display import Brief
 from oodscen._files import read_bytes, replace, temporary_folder
 from oodscen._lock import locked
 from oodscen._members import optional
-from oodscen.encoders._check import encode
+from oodscen.encoders._check import dimension, encode
 from oodscen.errors import InUse, StudyError
 from oodscen.protocols import Encoder
 
@@ -85,7 +85,7 @@ class CachedEncoder(Brief):
     @property
     def dimension(self) -> int:
         """The wrapped encoder's dimension."""
-        return self._encoder.dimension
+        return dimension(self._encoder)
 
     @property
     def cacheable(self) -> bool:
@@ -159,7 +159,7 @@ def _read(path: Path, encoder: Encoder) -> dict[bytes, NDArray[np.float32]]:
             _log.warning("%s is not of %s; it will be replaced", path, encoder.name)
             return {}
         keys, vectors = data["keys"], data["vectors"]
-    if vectors.shape != (len(keys), encoder.dimension) or vectors.dtype != np.float32:
+    if vectors.shape != (len(keys), dimension(encoder)) or vectors.dtype != np.float32:
         return {}
     return {key.tobytes(): vector for key, vector in zip(keys, vectors, strict=True)}
 

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._members import conforming, working
-from oodscen.errors import EncoderError
+from oodscen._numbers import whole_number
+from oodscen.errors import EncoderError, UsageError
 from oodscen.protocols import Encoder
 
 _LEAST_LENGTH = np.float32(1e-12)
@@ -23,8 +24,24 @@ def encode(encoder: Encoder, texts: Sequence[str]) -> NDArray[np.float32]:
         UsageError: If `encoder` is not an encoder.
         EncoderError: If it fails or breaks its contract.
     """
+    given = list(texts)
     with working("encoder", conforming("encoder", encoder).name):
-        return check_embeddings(encoder.encode(texts), len(texts), encoder)
+        found = encoder.encode(given.copy())  # The encoder may change the list that it is given.
+        return check_embeddings(found, len(given), encoder)
+
+
+def dimension(encoder: Encoder) -> int:
+    """Return the length of an encoder's vectors.
+
+    Raises:
+        EncoderError: If it is no whole number above 0, or cannot be told.
+    """
+    with working("encoder", encoder.name):
+        told = encoder.dimension
+    try:
+        return whole_number(f"the dimension of the encoder {encoder.name!r}", told, 1)
+    except UsageError as error:
+        raise EncoderError(str(error)) from None
 
 
 def unit_embeddings(encoder: Encoder, texts: Sequence[str]) -> NDArray[np.float32]:
@@ -39,13 +56,13 @@ def check_embeddings(vectors: object, n: int, encoder: Encoder) -> NDArray[np.fl
     """Return a copy of `vectors` if they are one finite float32 row for each of `n` texts.
 
     Raises:
-        EncoderError: If type, shape, dtype or a value violates the protocol.
+        EncoderError: If type, shape, dtype, a value or the dimension violates the protocol.
     """
     if not isinstance(vectors, np.ndarray):
         raise EncoderError(
             f"{encoder.name} returned {type(vectors).__name__}, not a float32 array [n, d]"
         )
-    shape = (n, encoder.dimension)
+    shape = (n, dimension(encoder))
     if vectors.shape != shape:
         raise EncoderError(
             f"{encoder.name} returned an array of shape {vectors.shape} for {n} texts, not {shape}"

@@ -33,7 +33,7 @@ from oodscen.metrics._comparison import Comparison, SetDistance, compare, distan
 from oodscen.metrics._detection.guard import THRESHOLD, OffTopicFlags
 from oodscen.metrics._diversity import Diversity, diversity
 from oodscen.metrics._oodness import Definition, Measure, Oodness, oodness
-from oodscen.metrics._rarity.anchors import PublishedRate, chosen_rates
+from oodscen.metrics._rarity.anchors import PublishedRate, anchored
 from oodscen.metrics._rarity.asking import ask_rarity
 from oodscen.metrics._rarity.estimates import Rarity, estimate_rarity
 from oodscen.metrics._rarity.exposure import Exposure, exposure
@@ -126,11 +126,12 @@ class Metrics(Brief):
             LLMError: If the model cannot be reached; answers without a figure are flagged instead.
         """
         plain = check_texts(texts)
-        rates = chosen_rates(anchors)
-        if llm is None:
-            return estimate_rarity(self._space, plain, rates)
-        model = conforming("llm", llm)
-        return ask_rarity(model, plain, anchors=rates, draws=whole_number("draws", draws, 1, 100))
+        with anchored(anchors) as rates:
+            if llm is None:
+                return estimate_rarity(self._space, plain, rates)
+            model = conforming("llm", llm)
+            count = whole_number("draws", draws, 1, 100)
+            return ask_rarity(model, plain, anchors=rates, draws=count)
 
     def exposure(
         self,
@@ -431,9 +432,8 @@ class Metrics(Brief):
             UsageError: If no text lies inside the band.
             EncoderError: If the encoder fails.
         """
-        return score_file(
-            self, path, band=band, definition=definition, llm=llm, anchors=chosen_rates(anchors)
-        )
+        with anchored(anchors) as rates:
+            return score_file(self, path, band=band, definition=definition, llm=llm, anchors=rates)
 
     def compare(
         self,

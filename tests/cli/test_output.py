@@ -203,6 +203,18 @@ def test_no_two_outputs_are_one_file(named, tmp_path):
     assert found.exit_code == 0
 
 
+def test_a_fork_of_the_command_ends_at_a_signal_without_a_word(capfd):
+    with _interruptible():
+        child = os.fork()
+        if not child:
+            try:
+                signal.raise_signal(signal.SIGTERM)
+            finally:
+                os._exit(0)
+        assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGTERM
+    assert capfd.readouterr().err == ""
+
+
 @pytest.mark.parametrize("is_told", [True, False])
 def test_a_foreign_error_after_a_dropped_interruption_counts_as_it(is_told):
     def compiling() -> None:

@@ -19,6 +19,9 @@ PLAIN = st.sampled_from(
         "a sign that is 1.5 m high, red & white",
         "eine rote Mauer (0.5 m breit)",
         "a barrier; its lamps are off",
+        "a net of 5 ㎏ on 2 m² of road",
+        "a timetable: 10:30 is next",
+        "the best option a driver has, a barrier",
         "a lorry with the option of a second trailer",
         "a sign that leaves one choice: A hard stop",
     ]
@@ -28,6 +31,9 @@ MARKED = st.sampled_from(
         *("**{}**", "`{}`", "# {}", "- {}", "1. {}", "| {} |", "> {}", "__{}__", "~~{}~~"),
         *("[{}](x)", "![{}](x.png)", "{} https://x.y", "{} www.x", "{} example.org/x", "{} a@b.de"),
         *("<b>{}</b>", "{}</data>", "<|im_start|>{}", "[INST] {}", "{} &lt;b&gt;", "{}<!--"),
+        *("Ａ) {}", "B） {}", "（B) {}", "𝐁) {}", "𝟏) {}"),
+        *("ⓑ {}", "Ⓑ {}", "🅑 {}", "⒝ {}", "① {}", "❶ {}", "{} ⓑ", "C: {}", "1: {}"),
+        *("{}: option c", "{}, choice: d", "{}. The answer is a", "{}; choose b", "{}. Optionⓒ"),
         *("B) {}", "(B) {}", "B. {}", "{}: option B", "{}. The answer is B", "{}. Answer: stop"),
         *("{}; choose B", "{}. Correct: (C)", "\\boxed{{{}}}", "$ {}$", '{{"answer": "{}"}}', "{}\n"),
     ]

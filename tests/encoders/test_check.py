@@ -31,6 +31,28 @@ def test_anything_else_is_refused(vectors):
         check_embeddings(vectors, 3, ENCODER)
 
 
+def test_a_dimension_of_numpy_is_one():
+    encoder = HashEncoder(4)
+    encoder.dimension = np.int64(4)
+    assert encode(encoder, ["a", "b"]).shape == (2, 4)
+
+
+def test_what_an_encoder_does_with_its_list_changes_nothing():
+    class Emptying(HashEncoder):
+        def encode(self, texts):
+            found = super().encode(texts)[: self.rows]
+            texts.clear()
+            return found
+
+    encoder, given = Emptying(4), ["a", "b", "c"]
+    encoder.rows = 3
+    assert (encode(encoder, given) == encode(HashEncoder(4), given)).all()
+    assert given == ["a", "b", "c"]
+    encoder.rows = 2
+    with pytest.raises(EncoderError, match=r"shape \(2, 4\) for 3 texts, not \(3, 4\)"):
+        encode(encoder, given)
+
+
 def test_an_encoder_may_return_the_same_array_every_time():
     kept = np.ones((1, 4), np.float32)
 

@@ -71,6 +71,14 @@ def test_the_order_of_the_items_changes_no_interval(labels, is_clustered, data):
             assert one.units == other.units
 
 
+@pytest.mark.parametrize("columns", [(0, 2), (1, 3), (2, 3)])
+def test_rows_that_differ_in_some_columns_alone_may_stand_in_any_order(columns):
+    angles = np.random.default_rng(4).uniform(0.0, np.pi, 9)
+    rows = np.zeros((9, 4), np.float32)
+    rows[:, columns] = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    assert bootstrap_pairwise(rows) == bootstrap_pairwise(rows[::-1])
+
+
 def test_two_units_have_an_interval():
     values = np.array([1.0, 2.0, 4.0])
     assert bootstrap_mean(values[:2]) is not None

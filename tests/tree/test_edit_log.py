@@ -37,6 +37,16 @@ def test_an_edit_may_undo_any_that_comes_before_it_in_the_same_list():
         FOG.apply(edits[0], edits[2])
 
 
+def test_a_parent_that_does_not_exist_is_told():
+    for edit in (
+        TreeEdit(op="move", node="fog", parent="gone"),
+        TreeEdit(op="add", node="ice", parent="gone", label="Ice"),
+    ):
+        with pytest.raises(DataError, match="the parent 'gone' does not exist") as caught:
+            FOG.apply(edit)
+        assert [issue.path for issue in caught.value.issues] == ["edits[0]"]
+
+
 def test_a_fault_below_a_refused_node_is_told_only_where_it_is_its_own():
     with pytest.raises(DataError) as caught:
         FOG.apply(

@@ -3,12 +3,14 @@
 An estimate x of an event of a kind k is calibrated to `offset_k + slope x`, by least squares on decimal logarithms of
 kilometres. Kinds of rate are kept apart by their offsets: an event that happens to the ego (`own`), one that happens
 somewhere in the traffic (`occurring`), and one that the ego comes upon (`met`), which is many times as frequent as its
-occurrence. A scenario's text is of the last kind. Fewer than six anchors move the offset alone.
+occurrence. A scenario's text is of the last kind. Fewer than six anchors, or such of nearly equal estimates, move the
+offset alone.
 """
 
 import tomllib
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import ClassVar, Literal
 
@@ -17,7 +19,9 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from oodscen._arguments import instances_of
+from oodscen._display import cut
 from oodscen._files import read_utf8
+from oodscen._text import folded_words
 from oodscen.baselines._texts import bundled
 from oodscen.data._base import Data
 from oodscen.errors import DataError, Issue
@@ -26,14 +30,17 @@ Kind = Literal["own", "occurring", "met"]
 _FEWEST = 6
 _LEAST_KM, _MOST_KM = 0.001, 1e15
 """Range of published rates, km; all that was ever driven on roads is less than 1e15 km."""
-_NO_SPREAD = 1e-9
-"""Spread of values within kinds up to which it gives no slope."""
+_LEAST_SPREAD = 0.3
+"""Spread of estimates within kinds from which they give a slope, decades; two readings of one text differ by as much."""
+_FLATTEST, _STEEPEST = 0.25, 4.0
+"""Range of usable slopes; that of the shipped rates is 1.5 to 1.8."""
 
 
 class PublishedRate(Data):
     """One published or own rate of an event."""
 
     noun: ClassVar[str] = "rate"
+    _refuses_conversion: ClassVar = True
 
     number: int = 0
     event: str = Field(min_length=1)
@@ -74,7 +81,7 @@ class RateCalibration(Data):
     """The same after calibration, each anchor by a calibration on all others; `None` below three anchors."""
 
     def apply(self, value: float, kind: Kind = "met") -> float:
-        """Return the calibrated value; a kind without anchors gets the mean offset."""
+        """Return the calibrated value, within the range of rates; a kind without anchors gets the mean offset."""
         return _calibrated(self.slope, self.offsets, value, kind)
 
 
@@ -108,20 +115,43 @@ def chosen_rates(
     if isinstance(anchors, str | Path):
         return load_rates(anchors)
     instances_of("anchors", anchors, PublishedRate)
-    if not anchors:
-        raise DataError("rates", [Issue("", "there is none")])
+    if faults := _contradictions(anchors) if anchors else [Issue("", "there is none")]:
+        raise DataError("rates", faults)
     return tuple(anchors)
+
+
+@contextmanager
+def anchored(
+    anchors: Sequence[PublishedRate] | str | Path | None,
+) -> Iterator[tuple[PublishedRate, ...] | None]:
+    """Give the rates that a caller names, and name their file where they turn out to be of no use.
+
+    Raises:
+        DataError: As `chosen_rates` does, and for rates that cannot be calibrated on.
+        UsageError: If they are no rates.
+    """
+    rates = chosen_rates(anchors)
+    try:
+        yield rates
+    except DataError as error:
+        if error.noun != "rates" or not isinstance(anchors, str | Path):
+            raise
+        raise DataError("rates", error.issues, source=str(anchors)) from None
 
 
 def _rates(content: str, source: str) -> tuple[PublishedRate, ...]:
     try:
-        rows = tomllib.loads(content).get("rate")
+        table = tomllib.loads(content)
     except (ValueError, RecursionError) as error:
         raise DataError(
             "file of rates", [Issue("", f"is not TOML: {error}")], source=source
         ) from None
+    rows = table.pop("rate", None)
     if not isinstance(rows, list) or not rows:
         raise DataError("file of rates", [Issue("rate", "holds no [[rate]]")], source=source)
+    if table:
+        unknown = [Issue(name, "is no member of a file of rates") for name in table]
+        raise DataError("file of rates", unknown, source=source)
     rates = tuple(
         PublishedRate.parse(row, source=f"{source}, rate {number}")
         for number, row in enumerate(rows, 1)
@@ -130,12 +160,44 @@ def _rates(content: str, source: str) -> tuple[PublishedRate, ...]:
     if twice := [number for number, count in counts.items() if count > 1]:
         issue = Issue("number", f"stands for more than one rate: {', '.join(map(str, twice))}")
         raise DataError("file of rates", [issue], source=source)
+    if faults := _contradictions(rates):
+        raise DataError("file of rates", faults, source=source)
     return rates
 
 
+def _contradictions(rates: Sequence[PublishedRate]) -> list[Issue]:
+    """Return the rates whose figures exclude those of rates before them of the same kind and wording."""
+    common: dict[tuple[Kind, str], tuple[float, float]] = {}
+    faults = []
+    for place, rate in enumerate(rates):
+        for text in rate.texts:
+            key = rate.kind, folded_words(text)
+            least, most = common.get(key, (_LEAST_KM, _MOST_KM))
+            least, most = max(least, rate.km[0]), min(most, rate.km[2])
+            if least <= most:
+                common[key] = least, most
+                continue
+            fault = (
+                f"excludes the figures of the rates before it that have the text {cut(text)!r}, too"
+            )
+            faults.append(Issue(f"rate[{place}].km", fault))
+    return faults
+
+
 def calibrate(rates: Sequence[PublishedRate], estimates: Sequence[float]) -> RateCalibration:
-    """Return the calibration of estimates, one per rate, and its error leave-one-out."""
+    """Return the calibration of estimates, one per rate, and its error leave-one-out.
+
+    Raises:
+        DataError: If the rates do not rise with the estimates, or too little or too much for a calibration.
+    """
     fitted = _fit(rates, np.asarray(estimates, np.float64))
+    if not _FLATTEST <= fitted[0] <= _STEEPEST:
+        slope = round(fitted[0], 2) + 0.0
+        fault = (
+            f"do not rise as the estimates of their texts do: their slope is {slope:g}, not from {_FLATTEST:g} to"
+            f" {_STEEPEST:g}; correct them, or give fewer than {_FEWEST} to move the offset alone"
+        )
+        raise DataError("rates", [Issue("km", fault)])
     before = [abs(x - rate.log10_km) for x, rate in zip(estimates, rates, strict=True)]
     after = left_out(rates, estimates)
     return RateCalibration(
@@ -161,7 +223,8 @@ def left_out(rates: Sequence[PublishedRate], estimates: Sequence[float]) -> NDAr
 
 
 def _calibrated(slope: float, offsets: dict[Kind, float], value: float, kind: Kind) -> float:
-    return offsets.get(kind, sum(offsets.values()) / len(offsets)) + slope * value
+    moved = offsets.get(kind, sum(offsets.values()) / len(offsets)) + slope * value
+    return float(np.clip(moved, np.log10(_LEAST_KM), np.log10(_MOST_KM)))
 
 
 def _fit(
@@ -173,7 +236,7 @@ def _fit(
     slope = 1.0
     if len(rates) >= _FEWEST and len(rates) > len(kinds) + 1:
         within = values - own @ (own.T @ values / own.sum(axis=0))
-        spread = float(within @ within)
-        slope = float(within @ wanted / spread) if spread > _NO_SPREAD else 1.0
+        if np.sqrt(np.mean(np.square(within))) >= _LEAST_SPREAD:
+            slope = float(within @ wanted / (within @ within))
     offsets = own.T @ (wanted - slope * values) / own.sum(axis=0)
     return slope, dict(zip(kinds, offsets.tolist(), strict=True))

@@ -8,6 +8,7 @@ import numpy as np
 from oodscen._paper import FEW_SHOTS
 from oodscen._text import folded_words
 from oodscen.encoders._centring import Vector, label_rows, unit_rows
+from oodscen.encoders._check import dimension
 from oodscen.protocols import Encoder
 from oodscen.stages._redteam.rounds import Round
 from oodscen.stages._redteam.shared_words import by_words
@@ -69,10 +70,10 @@ class NoveltyFilter:
         labels = list(self._leaves.values())
         rows, self._label_centre = label_rows(encoder, labels)
         self._labels = dict(zip(labels, rows, strict=True))
-        frames = unit_rows(encoder, shown) if shown else np.zeros((0, encoder.dimension))
+        frames = unit_rows(encoder, shown) if shown else np.zeros((0, dimension(encoder)))
         self._text_sum: Vector = frames.sum(axis=0)
         self._text_count = len(frames)
-        self._texts = np.empty((16, encoder.dimension))
+        self._texts = np.empty((16, dimension(encoder)))
 
     def nearness(self, text: str) -> ClosestText:
         """Compare a proposal with all leaves and all earlier proposals."""

@@ -26,10 +26,10 @@ def rate(log10_km, kind="met"):
 @given(
     st.floats(0.5, 2.0),
     st.floats(-2.0, 2.0),
-    st.lists(st.integers(0, 60), min_size=8, max_size=12, unique=True),
+    st.lists(st.integers(0, 12), min_size=8, max_size=12, unique=True),
 )
-def test_a_linear_relation_is_found_and_leaves_no_error(slope, offset, tenths):
-    values = [tenth / 10 for tenth in tenths]
+def test_a_linear_relation_is_found_and_leaves_no_error(slope, offset, halves):
+    values = [half / 2 for half in halves]
     rates = [
         rate(offset + slope * x + place % 2, ("met", "own")[place % 2])
         for place, x in enumerate(values)
@@ -48,6 +48,52 @@ def test_few_anchors_move_the_offset_alone():
     assert found.factor_left_out is None
 
 
+def test_anchors_of_nearly_equal_estimates_move_the_offset_alone():
+    estimates = [5.0, 5.2, 4.8, 5.3, 4.9, 5.1, 4.7]
+    found = calibrate([rate(log10_km) for log10_km in (3, 6, 4, 5, 2, 7, 1)], estimates)
+    assert found.slope == 1.0
+    assert found.apply(5.0) == pytest.approx(4.0)
+
+
+@pytest.mark.parametrize("slope", [-1.5, 0.0, 0.2, 5.0])
+def test_rates_that_do_not_rise_as_the_estimates_do_are_refused(slope):
+    estimates = [place / 2 for place in range(6)]
+    rates = [rate(4.0 + slope * (x - 1.25)) for x in estimates]
+    with pytest.raises(DataError, match=rf"slope is {slope:g}, not from 0.25 to 4"):
+        calibrate(rates, estimates)
+    assert calibrate(rates[1:], estimates[1:]).slope == 1.0
+
+
+@settings(deadline=None)
+@given(
+    st.lists(st.tuples(st.floats(-1.0, 12.0), st.floats(-2.9, 14.9)), min_size=1, max_size=9),
+    st.floats(-10.0, 20.0),
+)
+def test_a_calibrated_figure_is_one_that_a_rate_can_have(pairs, value):
+    rates, estimates = [rate(log10_km) for _, log10_km in pairs], [x for x, _ in pairs]
+    try:
+        found = calibrate(rates, estimates)
+    except DataError:
+        found = calibrate(rates[:5], estimates[:5])
+    assert -3.0 <= found.apply(value) <= found.apply(value + 1.0) <= 15.0
+
+
+def test_two_rates_of_one_wording_and_kind_share_a_figure():
+    def worded(text, kind, *km):
+        return PublishedRate(event="e", kind=kind, km=km, source="fleet", texts=("A fox.", text))
+
+    first = worded("A deer jumps out.", "met", 10, 20, 40)
+    for second in (
+        worded("a deer jumps out", "met", 40, 50, 60),
+        worded("A deer jumps out.", "own", 50, 60, 70),
+    ):
+        assert chosen_rates([first, second]) == (first, second)
+    with pytest.raises(
+        DataError, match=r"rate\[1\].km: excludes .* that have the text 'a deer jumps out'"
+    ):
+        chosen_rates([first, worded("a deer jumps out", "met", 41, 50, 60)])
+
+
 def test_published_rates_have_sources_and_five_wordings():
     rates = published_rates()
     assert len({one.number for one in rates}) == len(rates) == 53
@@ -60,12 +106,21 @@ def test_published_rates_have_sources_and_five_wordings():
     ["", "rate = 3", "[[rate]]\nevent = 'x'", "[[rate", "[[rate]]\nevent='x'\nkm=[3,2,1]\nsource='s'\ntexts=['t']",
      "[[rate]]\nevent='x'\nkm=[1e-300,1,2]\nsource='s'\ntexts=['t']",
      "[[rate]]\nevent='x'\nkm=[1,2,'3 miles']\nsource='s'\ntexts=['t']",
-     2 * "[[rate]]\nnumber=4\nevent='x'\nkm=[1,2,3]\nsource='s'\ntexts=['t']\n"],
+     2 * "[[rate]]\nnumber=4\nevent='x'\nkm=[1,2,3]\nsource='s'\ntexts=['t']\n",
+     "[[rate]]\nevent='x'\nkm=[true,true,true]\nsource='s'\ntexts=['t']",
+     "[[rate]]\nevent='x'\nkm=['1','2','3']\nsource='s'\ntexts=['t']",
+     "[[rate]]\nnumber=true\nevent='x'\nkm=[1,2,3]\nsource='s'\ntexts=['t']",
+     "[[rate]]\nevent='x'\nkm=[1,2,inf]\nsource='s'\ntexts=['t']",
+     "[[rate]]\nevent='x'\nkm=[1,2,3]\nsource='s'\ntexts=[2026-01-01]",
+     "[[rate]]\nevent='x'\nkm=[1,2,3]\nsource='s'\ntexts=['t']\nfoo=1",
+     "foo=1\n[[rate]]\nevent='x'\nkm=[1,2,3]\nsource='s'\ntexts=['t']",
+     "[[rate]]\nevent='x'\nkm=[1,2,3]\nsource='s'\ntexts=['t']\n[rates]\nfoo=1",
+     "".join(f"[[rate]]\nevent='x'\nkm=[{k},{k},{k}]\nsource='s'\ntexts=['t']\n" for k in (1, 10))],
 )  # fmt: skip
 def test_malformed_files_are_refused(content, tmp_path):
     file = tmp_path / "rates.toml"
     file.write_text(content)
-    with pytest.raises(DataError):
+    with pytest.raises(DataError, match=r"rates\.toml"):
         load_rates(file)
 
 

@@ -132,5 +132,21 @@ def test_rates_of_what_cannot_be_estimated_are_refused(wording):
         METRICS.rarity(["A red light."], anchors=[rate])
 
 
+def test_a_file_of_rates_that_are_of_no_use_is_named(tmp_path):
+    events = ("A red light.", "A bus stops.", "A tyre bursts.", "A deer runs onto the road.")
+    events += ("A tree lies across the road.", "The bridge ahead has collapsed.")
+    file, texts = tmp_path / "flat.toml", tmp_path / "texts.txt"
+    row = "[[rate]]\nevent='x'\nkm=[1e4,1e4,1e4]\nsource='fleet'\ntexts=[{!r}]\n"
+    texts.write_text("A car waits at the light.")
+    for found, said in ((events, "slope is 0,"), ((*events, "12345"), "'12345'")):
+        file.write_text("".join(row.format(event) for event in found))
+        for score in (
+            METRICS.rarity,
+            lambda given, anchors: METRICS.score_file(texts, anchors=anchors),
+        ):
+            with pytest.raises(DataError, match=rf"rates in .*flat\.toml:\n.*{said}"):
+                score(["A car waits at the light."], anchors=file)
+
+
 def test_published_rates_can_be_estimated():
     assert METRICS.rarity(["A red light."], anchors="published").calibration.anchors == 53
