@@ -270,9 +270,15 @@ def serve(connection: Connection) -> None:
         signal.signal(signal.SIGTERM, in_this_process(_leave, {signal.SIGTERM: signal.SIG_DFL}))
         threading.Thread(target=_listen, args=(connection, calls), daemon=True).start()
         connection.send(None)
+        process = os.getpid()
         with unreported(KeyboardInterrupt):
             while True:
-                connection.send_bytes(_answer(calls.get()))
+                answer = _answer(calls.get())
+                if (
+                    os.getpid() != process
+                ):  # A call has forked, and its child has come back as well.
+                    os._exit(1)
+                connection.send_bytes(answer)
     except KeyboardInterrupt:
         pass
     except OSError:  # Nobody takes the answer.

@@ -181,6 +181,11 @@ def is_gone(pid):
     return False
 
 
+def test_a_fork_that_comes_back_answers_nothing(pool):
+    assert pool.submit(exec, "import os; os.fork()").exception() is None
+    assert [pool.submit(operator.add, 1, n).result() for n in range(9)] == [*range(1, 10)]
+
+
 def test_a_call_that_takes_too_long_is_ended():
     with Processes(1) as pool:
         pool.limit_s = 0.5

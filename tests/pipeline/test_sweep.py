@@ -174,6 +174,28 @@ def test_a_dead_process_costs_only_the_scene_that_killed_it(tmp_path, monkeypatc
         assert results[name].episode == here[name].episode
 
 
+@pytest.mark.parametrize("change", ["'id', '../../s'", "'horizon_s', 9.5"])
+def test_a_simulator_that_changes_its_scene_fails_there_alone(tmp_path, monkeypatch, here, change):
+    (tmp_path / "changing_simulator.py").write_text(
+        "from oodscen.testing._flat import FlatSimulator\n\n\n"
+        "class Changing(FlatSimulator):\n"
+        "    def reset(self, scene, seed):\n"
+        "        state = super().reset(scene, seed)\n"
+        "        if scene.id == 's-000':\n"
+        f"            object.__setattr__(scene, {change})\n"
+        "        return state\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.delitem(sys.modules, "changing_simulator", raising=False)
+    given = scenes(2)
+    job = replace(JOB, simulator="changing_simulator:Changing", outputs=Outputs(traces=True))
+    results = by_id(sweep(job, given))
+    assert given == scenes(2)
+    assert results["s-000"].episode.status == "failed"
+    assert "Changing changed the scene" in results["s-000"].episode.error
+    assert results["s-001"].episode.trace_sha256 == here["s-001"].episode.trace_sha256
+
+
 def test_one_worker_survives_a_scene_that_kills_it(tmp_path, monkeypatch, here):
     (tmp_path / "killed_simulator.py").write_text(
         "import os, signal\n"
