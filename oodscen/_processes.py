@@ -274,10 +274,8 @@ def serve(connection: Connection) -> None:
         with unreported(KeyboardInterrupt):
             while True:
                 answer = _answer(calls.get())
-                if (
-                    os.getpid() != process
-                ):  # A call has forked, and its child has come back as well.
-                    os._exit(1)
+                if os.getpid() != process:
+                    os._exit(1)  # The child of a call that has forked.
                 connection.send_bytes(answer)
     except KeyboardInterrupt:
         pass
