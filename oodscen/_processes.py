@@ -196,6 +196,7 @@ class _Process:
                     [sys.executable, "-P", "-c", _START, str(theirs.fileno())],
                     pass_fds=[theirs.fileno()],
                     stdin=subprocess.DEVNULL,
+                    stdout=_errors(),
                     process_group=0,
                 )
         finally:
@@ -258,6 +259,15 @@ class _Process:
         if code is None:
             return "it no longer listens"
         return f"exit code {code}" if code >= 0 else signal.Signals(-code).name
+
+
+def _errors() -> int:
+    """Return where a worker prints: the standard output belongs to the command's own results."""
+    try:
+        os.fstat(2)
+    except OSError:
+        return subprocess.DEVNULL
+    return 2
 
 
 def serve(connection: Connection) -> None:

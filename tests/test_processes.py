@@ -186,6 +186,15 @@ def test_a_fork_that_comes_back_answers_nothing(pool):
     assert [pool.submit(operator.add, 1, n).result() for n in range(9)] == [*range(1, 10)]
 
 
+def test_what_a_call_prints_is_no_result(capfd):
+    with Processes(1) as pool:
+        assert (
+            pool.submit(exec, "import os; print('a', flush=True); os.write(1, b'b')").result()
+            is None
+        )
+    assert capfd.readouterr() == ("", "a\nb")
+
+
 def test_a_call_that_takes_too_long_is_ended():
     with Processes(1) as pool:
         pool.limit_s = 0.5
