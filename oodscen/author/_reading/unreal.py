@@ -14,7 +14,7 @@ _QUOTATION = re.compile(
     r""""[^"]+"|\u201c[^\u201d]+\u201d|\u00ab[^\u00bb]+\u00bb"""
     r"""|(?<![\w'])['\u2018](?:[^']|(?<=\w)'(?=\w))+'(?!\w)"""
 )
-_INSIDE_A_SENTENCE = re.compile(r"\b(?!I\b)[a-z][\w'-]* $")
+_INSIDE_A_SENTENCE = re.compile(r"\b(?!I\b)[a-z][\w'-]* (?:[A-Z][\w'-]* )*$")
 
 
 def is_unreal(kind: Kind, found: re.Match[str], mentioned: Iterable[Mention]) -> bool:
@@ -39,6 +39,7 @@ def is_unreal(kind: Kind, found: re.Match[str], mentioned: Iterable[Mention]) ->
         return True
     return kind != "road" and (
         _is_said(before, after)
+        or phrases.context("supposed").search(before) is not None
         or _is_at_another_time(kind, before, after)
         or _is_figurative(found.group(0), before, after)
     )
@@ -87,8 +88,11 @@ def _is_at_another_time(kind: Kind, before: str, after: str) -> bool:
     """Return whether weather or an hour is over, or yet to come."""
     if phrases.context("another_time").search(before) or phrases.context("not_now").match(after):
         return True
+    if _was_once(before, after):
+        return True
     is_subject = phrases.context("governed").search(before) is None
-    if is_subject and phrases.context("gone").match(after):
+    is_gone = phrases.context("gone").match(after) or phrases.context("gone_at_last").match(after)
+    if is_subject and is_gone:
         return True
     return kind == "weather" and bool(
         (is_weather_cancelled(after) and (is_subject or not phrases.context("others").match(after)))
@@ -96,6 +100,12 @@ def _is_at_another_time(kind: Kind, before: str, after: str) -> bool:
         or phrases.context("long_ago").match(after)
         or phrases.context("to_come").search(before)
     )
+
+
+def _was_once(before: str, after: str) -> bool:
+    """Return whether weather or an hour was there and something else is there now."""
+    was = phrases.context("was").search(before) and phrases.context("but_now").match(after)
+    return bool(was or phrases.context("was_but_now").match(after))
 
 
 def _is_figurative(words: str, before: str, after: str) -> bool:
