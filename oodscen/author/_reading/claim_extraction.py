@@ -397,9 +397,16 @@ class _ClaimReading:
     # -------------------------------------------------------------- settings
 
     def _settings(self) -> None:
+        unreal: list[tuple[Kind, int, int]] = []
         for pattern in phrases.statements("setting"):
             for match in pattern.regex.finditer(self.text):
-                if is_unreal(pattern.kind, match, self.mentioned):
+                kind, start, end = pattern.kind, *match.span()
+                is_within = any(
+                    kind == other and first <= start and end <= last
+                    for other, first, last in unreal
+                )
+                if is_within or is_unreal(kind, match, self.mentioned):
+                    unreal.append((kind, start, end))
                     continue
                 value = self._value(pattern, match)
                 if value is None:
