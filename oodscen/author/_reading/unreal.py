@@ -11,9 +11,10 @@ from oodscen.data._claim import Kind
 _NEAR = 80
 """Number of characters before a setting whose words may take it back."""
 _QUOTATION = re.compile(
-    r""""[^"]+"|\u201c[^\u201d]+\u201d|\u00ab[^\u00bb]+\u00bb"""
-    r"""|(?<![\w'])['\u2018](?:[^']|(?<=\w)'(?=\w))+'(?!\w)"""
+    r""""[^"]{1,80}"|\u201c[^\u201d]{1,80}\u201d|\u00ab[^\u00bb]{1,80}\u00bb"""
+    r"""|(?<![\w'])['\u2018](?:[^']|(?<=\w)'(?=\w)){1,80}'(?!\w)"""
 )
+"""Words in quotation marks, as few as a sign has room for."""
 _INSIDE_A_SENTENCE = re.compile(r"\b(?!I\b)[a-z][\w'-]* (?:[A-Z][\w'-]* )*$")
 
 
@@ -76,7 +77,7 @@ def _is_in_a_name(kind: Kind, text: str, end: int, mentioned: Iterable[Mention])
 
 
 def _is_said(before: str, after: str) -> bool:
-    """Return whether somebody or a sign says the words, or somebody is called so."""
+    """Return whether the words are those of a sign or a speaker, or a name that is given."""
     return bool(
         phrases.context("named").search(before)
         or phrases.context("says").search(before)

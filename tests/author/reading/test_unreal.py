@@ -230,3 +230,7 @@ def test_what_an_unnamed_bearer_carries_is_no_thing_of_its_own(bearer):
 @pytest.mark.parametrize("place", ["two-lane road", "quiet street", "wide junction", "scene"])
 def test_what_lies_at_a_place_is_a_thing(place):
     assert things(f"A {place} with a ball in the ego's lane.") == {"ball"}
+
+
+def test_a_long_list_that_is_denied_is_read_quickly():
+    assert not settings("no rain, fog, mist, " * 100)
