@@ -16,8 +16,8 @@ from oodscen.author._reading.numbers import number_at
 from oodscen.author._reading.phrases import Pattern
 from oodscen.author._reading.stationarity import usual_motion
 from oodscen.author._reading.subjects import nouns_of
-from oodscen.claims._cancelled import describes_noun, is_weather_cancelled
-from oodscen.claims._things import Thing, mentions
+from oodscen.author._reading.unreal import is_unreal
+from oodscen.claims._things import mentions
 from oodscen.data._claim import Claim, Kind
 
 _STRONGER = {
@@ -397,9 +397,16 @@ class _ClaimReading:
     # -------------------------------------------------------------- settings
 
     def _settings(self) -> None:
+        unreal: list[tuple[Kind, int, int]] = []
         for pattern in phrases.statements("setting"):
             for match in pattern.regex.finditer(self.text):
-                if self._is_unreal(pattern.kind, match):
+                kind, start, end = pattern.kind, *match.span()
+                is_within = any(
+                    kind == other and first <= start and end <= last
+                    for other, first, last in unreal
+                )
+                if is_within or is_unreal(kind, match, self.mentioned):
+                    unreal.append((kind, start, end))
                     continue
                 value = self._value(pattern, match)
                 if value is None:
@@ -407,45 +414,6 @@ class _ClaimReading:
                 self._add(pattern.kind, value, "", *match.span())
                 if pattern.kind == "own_lanes" and re.search("each|either|per", match.group(0)):
                     self._add("road", "two_way", "", *match.span())
-
-    def _is_unreal(self, kind: Kind, found: re.Match[str]) -> bool:
-        """Return whether weather, an hour, a road or traffic is denied, at another time, or part of a name."""
-        start, end = found.span()
-        before, after = self.text[max(0, start - 80) : start], self.text[end:]
-        lead = before[-40:]
-        if phrases.context("denied_too").search(before):
-            return True
-        if phrases.context("listed").search(before) and phrases.context("or_more").match(after):
-            return True
-        if kind == "ego":
-            return re.search(r"\b(?:no|not|never|neither|nor)\b", found.group(0)) is not None
-        if kind == "traffic":
-            return False
-        if phrases.context("denied").search(lead) or self._is_in_a_name(kind, end):
-            return True
-        if kind == "weather" and (
-            is_weather_cancelled(after)
-            or phrases.context("past").search(lead)
-            or phrases.context("to_come").search(lead)
-        ):
-            return True
-        if kind not in ("weather", "time"):
-            return False
-        return bool(
-            phrases.context("another_time").search(before)
-            or phrases.context("not_now").match(after)
-        )
-
-    def _is_in_a_name(self, kind: Kind, end: int) -> bool:
-        """Return whether the words up to a position only describe the noun that follows: `night bus`."""
-        if kind not in ("weather", "time", "road"):
-            return False
-        if describes_noun(self.text, end):
-            return True
-        noun = next((mention for mention in self.mentioned if mention.start > end), None)
-        if noun is None or noun.is_plural or (kind == "road" and not _gets_about(noun.thing)):
-            return False
-        return phrases.context("noun_before").match(self.text[end : noun.start]) is not None
 
     # -------------------------------------------------------------- what is kept
 
@@ -474,10 +442,6 @@ class _ClaimReading:
             if claim.value == "clear_of_lane" and (claim.subject, "in_lane") in told:
                 continue
             yield claim
-
-
-def _gets_about(thing: Thing) -> bool:
-    return thing.group in ("vehicle", "person", "animal")
 
 
 def _adjoins(subject: Subject, start: int) -> bool:

@@ -69,10 +69,14 @@ class NounInContext:
 
 
 def _is_carried(at: NounInContext) -> bool:
-    """Return whether a thing is merely a part or the load of the thing named right before it."""
-    if not at.earlier:
+    """Return whether a thing is merely a part or the load of what is named right before it."""
+    last = at.earlier[-1].mention if at.earlier else None
+    bearer = phrases.context("bearer").search(at.sentence)
+    if bearer and (last is None or last.end <= at.mention.start - len(bearer.group(0))):
+        return True
+    if last is None:
         return False
-    between = at.text[at.earlier[-1].mention.end : at.mention.start]
+    between = at.text[last.end : at.mention.start]
     return phrases.context("carried").fullmatch(between.lstrip()) is not None
 
 

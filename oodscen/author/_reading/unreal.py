@@ -1,0 +1,121 @@
+"""Weather, hours, roads and traffic that a text only mentions: denied, at another time, quoted, compared, or in a name."""
+
+import re
+from collections.abc import Iterable
+
+from oodscen.author._reading import phrases
+from oodscen.claims._cancelled import describes_noun, is_weather_cancelled
+from oodscen.claims._things import Mention
+from oodscen.data._claim import Kind
+
+_NEAR = 80
+"""Number of characters before a setting whose words may take it back."""
+_QUOTATION = re.compile(
+    r""""[^"]{1,80}"|\u201c[^\u201d]{1,80}\u201d|\u00ab[^\u00bb]{1,80}\u00bb"""
+    r"""|(?<![\w'])['\u2018](?:[^']|(?<=\w)'(?=\w)){1,80}'(?!\w)"""
+)
+"""Words in quotation marks, as few as a sign has room for."""
+_INSIDE_A_SENTENCE = re.compile(r"\b(?!I\b)[a-z][\w'-]* (?:[A-Z][\w'-]* )*$")
+
+
+def is_unreal(kind: Kind, found: re.Match[str], mentioned: Iterable[Mention]) -> bool:
+    """Return whether a setting is denied, at another time, part of a name, or a figure of speech.
+
+    Args:
+        kind: The kind of claim.
+        found: Its words in the text.
+        mentioned: The things that the text names.
+    """
+    text, (start, end) = found.string, found.span()
+    before, after = text[max(0, start - _NEAR) : start], text[end:]
+    if phrases.context("denied_too").search(before) or _is_listed(before, after):
+        return True
+    if kind == "ego":
+        return re.search(r"\b(?:no|not|never|neither|nor)\b", found.group(0)) is not None
+    if kind not in ("weather", "time", "road"):
+        return kind != "traffic" and phrases.context("denied").search(before) is not None
+    if phrases.context("denied").search(before) or _is_quoted(found):
+        return True
+    if _is_in_a_name(kind, text, end, mentioned):
+        return True
+    return kind != "road" and (
+        _is_said(before, after)
+        or phrases.context("supposed").search(before) is not None
+        or _is_at_another_time(kind, before, after)
+        or _is_figurative(found.group(0), before, after)
+    )
+
+
+def _is_listed(before: str, after: str) -> bool:
+    """Return whether words stand in the middle of a list that is denied."""
+    return bool(
+        phrases.context("listed").search(before) and phrases.context("or_more").match(after)
+    )
+
+
+def _is_quoted(found: re.Match[str]) -> bool:
+    """Return whether quotation marks around a part of the text enclose some words."""
+    return any(
+        quotation.start() < found.start() and found.end() < quotation.end()
+        for quotation in _QUOTATION.finditer(found.string)
+        if quotation.group(0) != found.string
+    )
+
+
+def _is_in_a_name(kind: Kind, text: str, end: int, mentioned: Iterable[Mention]) -> bool:
+    """Return whether the words up to a position only describe the noun that follows: `night bus`."""
+    if describes_noun(text, end):
+        return True
+    if kind != "road" and phrases.context("compound").match(text[end:]):
+        return True
+    noun = next((mention for mention in mentioned if mention.start > end), None)
+    if noun is None or noun.is_plural:
+        return False
+    if kind == "road" and noun.thing.group not in ("vehicle", "person", "animal"):
+        return False
+    return phrases.context("noun_before").match(text[end : noun.start]) is not None
+
+
+def _is_said(before: str, after: str) -> bool:
+    """Return whether the words are those of a sign or a speaker, or a name that is given."""
+    return bool(
+        phrases.context("named").search(before)
+        or phrases.context("says").search(before)
+        or phrases.context("is_said").match(after)
+    )
+
+
+def _is_at_another_time(kind: Kind, before: str, after: str) -> bool:
+    """Return whether weather or an hour is over, or yet to come."""
+    if phrases.context("another_time").search(before) or phrases.context("not_now").match(after):
+        return True
+    if _was_once(before, after):
+        return True
+    is_subject = phrases.context("governed").search(before) is None
+    is_gone = phrases.context("gone").match(after) or phrases.context("gone_at_last").match(after)
+    if is_subject and is_gone:
+        return True
+    return kind == "weather" and bool(
+        (is_weather_cancelled(after) and (is_subject or not phrases.context("others").match(after)))
+        or phrases.context("past").search(before)
+        or phrases.context("long_ago").match(after)
+        or phrases.context("to_come").search(before)
+    )
+
+
+def _was_once(before: str, after: str) -> bool:
+    """Return whether weather or an hour was there and something else is there now."""
+    was = phrases.context("was").search(before) and phrases.context("but_now").match(after)
+    return bool(was or phrases.context("was_but_now").match(after))
+
+
+def _is_figurative(words: str, before: str, after: str) -> bool:
+    """Return whether weather or an hour is a proper name, a comparison or a figure of speech."""
+    is_outpouring = phrases.context("outpouring").search(words)
+    return bool(
+        (words[0].isupper() and _INSIDE_A_SENTENCE.search(before))
+        or (is_outpouring and phrases.context("of_something").match(after))
+        or phrases.context("likened").search(before)
+        or phrases.context("of_the_mind").search(before)
+        or phrases.context("figure").match(after)
+    )

@@ -1,0 +1,236 @@
+"""Settings that a text only mentions: no frame of words that takes them back lets them through, for any of them."""
+
+import pytest
+
+from oodscen.author._reading.claim_extraction import read_claims
+
+WEATHER = {
+    "rain": "rain",
+    "heavy rain": "heavy_rain",
+    "drizzle": "light_rain",
+    "snowfall": "snow",
+    "heavy snow": "heavy_snow",
+    "fog": "fog",
+    "thick fog": "thick_fog",
+    "mist": "mist",
+}
+ADJECTIVES = {"rainy": "rain", "foggy": "fog", "misty": "mist", "hazy": "mist", "cloudy": "cloudy"}
+VERBS = {"rain": "rain", "snow": "snow", "drizzle": "light_rain"}
+HOURS = {"night": "night", "dusk": "twilight", "dawn": "twilight", "noon": "day"}
+KINDS = {"weather", "time"}
+
+
+def settings(text):
+    return {claim.value for claim in read_claims(text) if claim.kind in KINDS}
+
+
+def each(frames, words):
+    return [(frame.format(word), value) for frame in frames for word, value in words.items()]
+
+
+PLAIN = (
+    "In {} a cow stands in the ego's lane.",
+    "A cow stands in the {} ahead.",
+    "{} falls as the ego drives on.",
+    "{} hides a cow in the ego's lane.",
+    "{} has been falling since yesterday.",
+    "{}, which has set in, hides the road.",
+    "There is {}, and a sign shows 60.",
+    "The car ahead has stopped in {}.",
+    "In {} stopped cars block the lane.",
+    "In {} warning lights flash ahead.",
+    "A cow hardly moves in the {}.",
+    "A police car called to a crash in {} stands ahead.",
+    "{} turns the road slippery.",
+    "{} of great intensity hides the road.",
+    '"In {} a cow stands in the lane."',
+)
+
+
+@pytest.mark.parametrize(("text", "value"), each(PLAIN, WEATHER))
+def test_weather_that_is_there_is_claimed(text, value):
+    assert value in settings(text)
+
+
+DENIALS = (
+    "Instead of {} there is a clear view of a cow.",
+    "Rather than {} there is wind.",
+    "Unlike in {} the cow can be seen.",
+    "There is hardly any {}.",
+    "Without a trace of {} the cow is seen.",
+    "There is zero {}.",
+    "It is anything but {}.",
+)
+OVER = (
+    "Last night's {} has dried.",
+    "Yesterday's {} is forgotten.",
+    "There was {} yesterday; now a cow stands here.",
+    "There was {} this week; today a cow stands here.",
+    "A few hours ago there was {}.",
+    "{} is replaced by wind.",
+    "{} gives way to wind.",
+    "{} has given way to wind.",
+    "{} turns into wind.",
+    "The {} that hid the road has lifted.",
+    "The {} has melted.",
+    "After hours of {} a cow stands here.",
+    "Earlier {} has left the road soft.",
+    "The {} was bad but now the view is good.",
+)
+SAID = (
+    "A sign that says {} stands beside the road.",
+    "A sign shows '{} AHEAD' beside the road.",
+    'A board with "{}" on it stands ahead.',
+    "The radio warns of {}.",
+    "The weather app says there is {}.",
+    "'{}', says a billboard.",
+    "{} says a billboard.",
+)
+FIGURES = (
+    "A {} of gravel falls from a lorry.",
+    "A {} of dust covers the road.",
+    "Smoke as bad as {} drifts along.",
+    "Dust like {} drifts along.",
+    "Smoke resembling {} drifts along.",
+    "A truck sprays as if there were {}.",
+    "{} or shine, the van stops.",
+    "Fake {} drifts along.",
+)
+NAMES = (
+    "The {} detector fails.",
+    "A {} sensor lies in the lane.",
+    "A {} machine stands ahead.",
+    "A person called {} walks across the road.",
+)
+
+
+@pytest.mark.parametrize(("text", "value"), each((*DENIALS, *OVER, *SAID, *NAMES), WEATHER))
+def test_weather_that_is_only_mentioned_is_not_claimed(text, value):
+    assert not settings(text) - {"day"}
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), each(FIGURES, {"rain": 0, "fog": 0, "mist": 0, "drizzle": 0, "haze": 0})
+)
+def test_weather_in_a_figure_of_speech_is_not_claimed(text, value):
+    assert not settings(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    each(
+        (
+            "It hardly {}s.",
+            "It seldom {}s.",
+            "If it {}s the road floods.",
+            "It no longer {}s.",
+            "It stopped {}ing an hour ago.",
+            "It was {}ing yesterday; today the view is good.",
+            "It had been {}ing before a cow came.",
+            "The wipers run as if it were {}ing.",
+            "The weather app says it is {}ing.",
+        ),
+        VERBS,
+    ),
+)
+def test_what_does_not_fall_is_not_claimed(text, value):
+    text = text.replace("drizzleing", "drizzling")
+    assert not settings(text)
+
+
+@pytest.mark.parametrize("verb", ["raining", "snowing", "drizzling"])
+def test_what_falls_is_claimed(verb):
+    for text in ("It is {}.", "It has been {} for hours.", "It was {} when a cow came."):
+        assert settings(text.format(verb))
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    each(
+        (
+            "The driver's mind is {}.",
+            "The windscreen is all {}.",
+            "A {} memory of a cow.",
+            "It might be {}.",
+            "A {} windscreen hides the cow.",
+        ),
+        ADJECTIVES,
+    ),
+)
+def test_minds_and_panes_are_no_weather(text, value):
+    assert not settings(text)
+
+
+@pytest.mark.parametrize(("word", "value"), ADJECTIVES.items())
+def test_an_adjective_of_the_weather_is_claimed(word, value):
+    assert value in settings(f"It is {word} and a cow stands ahead.")
+    assert value in settings(f"On a {word} road a cow stands ahead.")
+
+
+@pytest.mark.parametrize("name", ["Misty", "Foggy", "Dusk", "Dawn", "Sunny", "Fog"])
+def test_a_proper_name_is_neither_weather_nor_an_hour(name):
+    for text in ("A person named {} walks.", "A {} taxi stops.", "A child and {} wait."):
+        assert not settings(text.format(name))
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    each(
+        (
+            "Unlike at {}, the road is empty.",
+            "It is as busy as at {} here.",
+            "A sign says {}.",
+            "It is not {}.",
+            "The {} has passed.",
+            "It looks as if it were {}.",
+        ),
+        HOURS,
+    ),
+)
+def test_an_hour_that_is_only_mentioned_is_not_claimed(text, value):
+    assert not settings(text)
+
+
+@pytest.mark.parametrize(("hour", "value"), HOURS.items())
+def test_an_hour_that_has_come_is_claimed(hour, value):
+    assert settings(f"At {hour} a cow stands ahead.") == {value}
+    assert settings(f"A cow stands ahead at {hour}.") == {value}
+
+
+@pytest.mark.parametrize("hour", ["morning", "afternoon", "evening", "day", "night"])
+def test_a_greeting_is_no_weather(hour):
+    assert "clear" not in settings(f"Good {hour} to all.")
+    assert "clear" in settings(f"On a clear {hour} a cow stands ahead.")
+
+
+@pytest.mark.parametrize("first", ["lorry", "traffic", "smoke"])
+def test_an_adjective_of_something_else_makes_no_fog_thick(first):
+    assert settings(f"Dense {first} in fog.") == {"fog"}
+
+
+def test_clouds_are_in_the_sky():
+    assert settings("Thick clouds hang over the road.") == {"cloudy"}
+    assert not settings("Thick clouds of smoke hang over the road.")
+
+
+def things(text):
+    return {claim.subject for claim in read_claims(text) if claim.kind == "thing"}
+
+
+def test_animals_do_not_fall_from_the_sky():
+    assert not things("It is raining cats and dogs.")
+    assert things("In the rain cats and dogs cross the road.") == {"cat", "dog"}
+
+
+@pytest.mark.parametrize("bearer", ["robot", "delivery robot", "juggler", "tall statue"])
+def test_what_an_unnamed_bearer_carries_is_no_thing_of_its_own(bearer):
+    assert "ball" not in things(f"A {bearer} with a ball stands in the ego's lane.")
+
+
+@pytest.mark.parametrize("place", ["two-lane road", "quiet street", "wide junction", "scene"])
+def test_what_lies_at_a_place_is_a_thing(place):
+    assert things(f"A {place} with a ball in the ego's lane.") == {"ball"}
+
+
+def test_a_long_list_that_is_denied_is_read_quickly():
+    assert "rain" not in settings("no rain, fog, mist, " * 100)
