@@ -15,6 +15,8 @@ _QUOTATION = re.compile(
     r"""|(?<![\w'])['\u2018](?:[^']|(?<=\w)'(?=\w)){1,80}'(?!\w)"""
 )
 """Words in quotation marks, as few as a sign has room for."""
+_LATER_WORD = re.compile(r"(?<=\s)[A-Za-z]{3,}")
+"""A word after the first one that title case would capitalise."""
 _INSIDE_A_SENTENCE = re.compile(r"\b(?!I\b)[a-z][\w'-]* (?:[A-Z][\w'-]* )*$")
 
 
@@ -42,6 +44,7 @@ def is_unreal(kind: Kind, found: re.Match[str], mentioned: Iterable[Mention]) ->
         _is_said(before, after)
         or phrases.context("supposed").search(before) is not None
         or _is_at_another_time(kind, before, after)
+        or _is_proper_name(found, before)
         or _is_figurative(found.group(0), before, after)
     )
 
@@ -109,12 +112,19 @@ def _was_once(before: str, after: str) -> bool:
     return bool(was or phrases.context("was_but_now").match(after))
 
 
+def _is_proper_name(found: re.Match[str], before: str) -> bool:
+    """Return whether a word has a capital inside a sentence, in a text that is not in title case."""
+    if not (found.group(0)[0].isupper() and _INSIDE_A_SENTENCE.search(before)):
+        return False
+    words = _LATER_WORD.findall(found.string)
+    return 2 * sum(word[0].isupper() for word in words) <= len(words)
+
+
 def _is_figurative(words: str, before: str, after: str) -> bool:
-    """Return whether weather or an hour is a proper name, a comparison or a figure of speech."""
+    """Return whether weather or an hour is a comparison or a figure of speech."""
     is_outpouring = phrases.context("outpouring").search(words)
     return bool(
-        (words[0].isupper() and _INSIDE_A_SENTENCE.search(before))
-        or (is_outpouring and phrases.context("of_something").match(after))
+        (is_outpouring and phrases.context("of_something").match(after))
         or phrases.context("likened").search(before)
         or phrases.context("of_the_mind").search(before)
         or phrases.context("figure").match(after)

@@ -167,6 +167,14 @@ def test_an_adjective_of_the_weather_is_claimed(word, value):
     assert value in settings(f"On a {word} road a cow stands ahead.")
 
 
+@pytest.mark.parametrize(
+    ("text", "value"),
+    each(("Deer on the Road in {} Ahead", "A Truck in {}", "Stalled Van, {}, Wet Road"), WEATHER),
+)
+def test_title_case_makes_no_name_of_the_weather(text, value):
+    assert value in settings(" ".join(word.capitalize() for word in text.split()))
+
+
 @pytest.mark.parametrize("name", ["Misty", "Foggy", "Dusk", "Dawn", "Sunny", "Fog"])
 def test_a_proper_name_is_neither_weather_nor_an_hour(name):
     for text in ("A person named {} walks.", "A {} taxi stops.", "A child and {} wait."):
