@@ -111,6 +111,35 @@ _DENIED_AHEAD = re.compile(
 _DENIED_BEHIND = re.compile(
     r"[\s`*_)\"'.,;:\u2013\u2014-]*(?:~~|(?:(?:this|that|it|which|the (?:above|answer|object)) )?"
     r"(?:(?:(?:is|was|would be)(?: not|n['\u2019]t)) (?:(?:the|my|an?) )?(?:answer|right|correct|valid|true|it|so|meant)"
-    r"|(?:is|was|would be) (?:wrong|incorrect|invalid|false)|wrong)\b)",
+    r"|(?:is|was|would be) (?:wrong|incorrect|invalid|false)|wrong)\b(?!-\w))",
+    re.IGNORECASE,
+)
+
+
+def is_taken_back(after: str) -> bool:
+    """Return whether words behind something correct it: "Wait, actually ...", "Correction: number 1 is 3"."""
+    return bool(_SECOND_THOUGHT.search(after))
+
+
+_SECOND_THOUGHT = re.compile(
+    # The beginning of a sentence, and words that only lead up to it.
+    r"(?:^|[.!?:;\n\u2013\u2014-])[\s>*_`#\"'(\[]{0,8}+"
+    r"(?:(?:oh|ah|well|but|so|no|hmm+|ok|okay|please|sorry|apologies|my apologies|i(?:'|\u2019| a)m sorry)\b[\s,.!:\u2026\u2013\u2014-]{1,4}){0,3}"
+    r"(?:wait\b(?:\s*(?:[,!\u2026\u2013\u2014]|\.\.|\s-\s)|\s+(?:no|actually)\b)(?!\s*(?:then|until|and|for)\b)"
+    r"|hold on\s*[,.!\u2026\u2013\u2014]|(?:oops|whoops|(?:scratch|strike) that|never ?mind)\b"
+    r"|(?:hmm+|no|oh)[,.\u2026]{1,3}\s+(?:no|wait|actually)\b"
+    r"|(?:disregard|ignore|forget) (?:(?:that|this|it)\s*[.,;:!]|(?:the|my) (?:above|previous|earlier|first|last)\b)"
+    r"|(?:correction|corrected|erratum|edit)\b(?:[^.:!?\n{]{0,40}:|\s*[\u2013\u2014]|\s+-\s)(?!\s*(?:```\w*\s*)?\{)"
+    r"|(?:on|upon|after) (?:second thoughts?|(?:further )?(?:reflection|reconsideration))\b"
+    r"|my (?:mistake|bad|error)\b|i (?:was|am) (?:wrong|mistaken)\b|i (?:have )?made an? (?:mistake|error)\b"
+    r"|i (?:have )?mis(?:read|took|taken|counted|stated|calculated|typed|judged|interpreted|understood)\b"
+    r"|i (?:meant|retract|take (?:that|it) back|should have (?:said|written|put|given|answered))\b"
+    r"|(?:i (?:need|have|want|must|would like) (?:to )?|let me )(?:correct|revise|amend|redo|restate|reconsider|rethink)\b"
+    r"|(?:that|this|it|the (?:above|answer|object|first|json)|my answer)(?:'s|\u2019s| is| was) "
+    r"(?:wrong|incorrect|mistaken|not (?:right|correct)|a mistake|an error)(?=\s*(?:[.,;:!\u2013\u2014]|$))"
+    r"|actually\b[^.!?\n]{0,200}(?:\b(?:should|instead)\b|(?:\b(?:is|be|are)|[=:>])\s*-?\d)"
+    r"|sorry\b[^.!?\n]{0,200}\b(?:should (?:be|read|have been)|meant|instead of)\b"
+    r"|(?:number|text|entry|item|estimate|the (?:first|second|third|last|answer|best|estimate))\b[^.!?\n]{0,40}"
+    r"\bshould (?:be|read|have been)[\s:\"'`]{1,3}-?\d)",
     re.IGNORECASE,
 )

@@ -65,8 +65,10 @@ def score(
     """Measure rarity, OOD-ness and diversity of the texts in the file TEXTS (JSONL with `text`, or lines)."""
     from oodscen import Metrics, make_encoder, make_llm
     from oodscen.baselines._reading import read_records
+    from oodscen.llm._call_log import Call
 
     report: Any
+    calls: list[Call] = []
     if table and band is not None:
         raise UsageError("--table measures all texts; do not combine it with --band")
     if table and (llm is not None or anchors is not None):
@@ -80,6 +82,8 @@ def score(
         if table:
             report = metrics.paper_table([record.text for record in read_records(texts)])
         else:
-            model = make_llm(llm, seed=seed, api_base=api_base) if llm else None
+            model = make_llm(llm, seed=seed, api_base=api_base, log=calls.append) if llm else None
             report = metrics.score_file(texts, band=band, llm=model, anchors=anchors)
     say(report.model_dump_json(indent=2) if as_json else str(report))
+    if calls and not as_json:
+        say(f"calls                  {len(calls)} of {report.rarity.by}")

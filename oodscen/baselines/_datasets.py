@@ -16,20 +16,23 @@ an issue for every deviation from the data set's format. Empty entries are skipp
 withheld answer, an object without a description, the unused columns of a short clip.
 """
 
-import json
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, get_args
 
-from oodscen.baselines._reading import CsvTable, read_csv
+from oodscen._json import parse_json
+from oodscen.baselines._reading import CsvTable, read_csv, repeated
+from oodscen.baselines._texts import fault_of
 from oodscen.errors import Issue, UnknownComponent, UsageError
 
 LayoutName = Literal["drivelm", "nuscenes", "talk2car", "bdd-x", "cityflow-nl"]
 
 _NOT_COMMERCIAL = "CC-BY-NC-SA-4.0"
-_TAG = re.compile(r"(?:\bthe )?(?:\bobjects? )?(<c\d+,[^<>]*>)", re.IGNORECASE)
+_TAG = re.compile(r"(?:\b(?:the|an?) )?(?:\bobjects? )?(<c\d+,[^<>]*>)", re.IGNORECASE)
+_DETERMINER = re.compile(r"(?:an?|the|some|two|many)(?=\s)", re.IGNORECASE)
 _BDD_X = ("Input.Video", "Answer.1action")
+_BDD_X_TEXT = re.compile(r"(Answer\.\d+)(?:action|justification)")
 _STAGES = ("perception", "prediction", "planning", "behavior")
 
 
@@ -41,7 +44,7 @@ class DatasetText(NamedTuple):
     text: str
 
 
-Found = Iterator[DatasetText | Issue]
+TextsAndIssues = Iterator[DatasetText | Issue]
 
 
 @dataclass(frozen=True)
@@ -52,27 +55,27 @@ class FileLayout:
     """Name of the data set."""
     licence: str
     """Licence of its texts; an SPDX identifier if there is one."""
-    parts: tuple[str, ...]
+    default_parts: tuple[str, ...]
     """Kinds of texts that are read by default."""
-    more: tuple[str, ...]
+    further_parts: tuple[str, ...]
     """Kinds that are read on request."""
-    read: Callable[[Any], Found]
+    read: Callable[[Any], TextsAndIssues]
     """Takes the decoded JSON document, or a CSV file."""
     is_csv: bool = False
 
 
 def recognise(content: str, suffix: str) -> tuple[FileLayout, Any] | None:
-    """Return the data set layout that a file's content matches, with the document or rows that its reader takes.
+    """Return the data set layout that a file's content matches, with what `parse` returns for it.
 
     `None` for any other file.
     """
     if suffix == ".csv":
         table = read_csv(content)
-        return (LAYOUTS["bdd-x"], table) if set(_BDD_X) <= set(table.header) else None
+        return (LAYOUTS["bdd-x"], _bdd_x_table(table)) if set(_BDD_X) <= set(table.header) else None
     if suffix != ".json":
         return None
     try:
-        document = json.loads(content)
+        document = parse_json(content)
     except (ValueError, RecursionError):
         return None
     name = _recognise_json(document)
@@ -82,11 +85,9 @@ def recognise(content: str, suffix: str) -> tuple[FileLayout, Any] | None:
 def parse(content: str, layout: FileLayout) -> Any:
     """Return the input of the layout's reader, or an issue if the content is not of that format."""
     if layout.is_csv:
-        table = read_csv(content)
-        missing = [column for column in _BDD_X if column not in table.header]
-        return Issue(f"line {table.line}", f"has no column {missing[0]!r}") if missing else table
+        return _bdd_x_table(read_csv(content))
     try:
-        return json.loads(content)
+        return parse_json(content)
     except (ValueError, RecursionError) as error:
         return Issue("", f"is not JSON: {error}")
 
@@ -109,7 +110,7 @@ def chosen_parts(layout: FileLayout, parts: tuple[str, ...]) -> tuple[str, ...]:
         UnknownComponent: If the layout has no such part.
         UsageError: If no part is requested.
     """
-    known = layout.parts + layout.more
+    known = layout.default_parts + layout.further_parts
     if not parts:
         raise UsageError(f"no part of {layout.title} is requested (known: {', '.join(known)})")
     for part in parts:
@@ -137,7 +138,7 @@ def _recognise_json(document: Any) -> LayoutName | None:
 # ---------------------------------------------------------------- DriveLM
 
 
-def _drivelm(document: Any) -> Found:
+def _drivelm(document: Any) -> TextsAndIssues:
     """Read `{scene token: {scene_description, key_frames: {frame token: {key_object_infos, QA}}}}`.
 
     `QA` holds lists of `{"Q": ..., "A": ...}` under perception, prediction, planning and behavior.
@@ -154,7 +155,7 @@ def _drivelm(document: Any) -> Found:
             yield from (content,) if isinstance(content, Issue) else _frame(content, frame)
 
 
-def _frame(frame: Mapping[str, Any], where: str) -> Found:
+def _frame(frame: Mapping[str, Any], where: str) -> TextsAndIssues:
     names: dict[str, str] = {}
     place = f"{where}.key_object_infos"
     for tag, info in _members(frame.get("key_object_infos", {}), place, "object"):
@@ -169,11 +170,14 @@ def _frame(frame: Mapping[str, Any], where: str) -> Found:
     if not isinstance(stages, dict):
         yield Issue(f"{where}.QA", f"is {type(stages).__name__}, not an object")
         return
+    for stage in stages:
+        if stage not in _STAGES:
+            yield Issue(f"{where}.QA.{stage}", f"is none of {', '.join(_STAGES)}")
     for stage in _STAGES:
         yield from _questions(stages.get(stage, []), f"{where}.QA.{stage}", names)
 
 
-def _questions(items: Any, where: str, names: Mapping[str, str]) -> Found:
+def _questions(items: Any, where: str, names: Mapping[str, str]) -> TextsAndIssues:
     if not isinstance(items, list):
         yield Issue(where, f"is {type(items).__name__}, not a list of questions")
         return
@@ -200,15 +204,17 @@ def _named(text: str, names: Mapping[str, str]) -> str:
 
 def _as_name(looks: str) -> str:
     looks = looks.rstrip(". ") or "object"
+    if _DETERMINER.match(looks):
+        return _DETERMINER.sub(lambda match: match[0].lower(), looks, count=1)
     if looks[1:2].islower():
         looks = looks[0].lower() + looks[1:]
-    return looks if re.match(r"(?:an?|the|some|two|many)\b", looks) else f"the {looks}"
+    return f"the {looks}"
 
 
 # ---------------------------------------------------------------- other data sets
 
 
-def _nuscenes(document: Any) -> Found:
+def _nuscenes(document: Any) -> TextsAndIssues:
     """Read `[{token, name, description, log_token, nbr_samples, ...}]`."""
     if not isinstance(document, list):
         yield Issue("", f"is {type(document).__name__}, not a list of scenes")
@@ -220,7 +226,7 @@ def _nuscenes(document: Any) -> Found:
             yield from _texts("scene", scene["description"], f"[{index}].description")
 
 
-def _talk2car(document: Any) -> Found:
+def _talk2car(document: Any) -> TextsAndIssues:
     """Read `{scene_tokens: [...], commands: [{command, scene_token, sample_token, ...}]}`."""
     commands = document.get("commands") if isinstance(document, dict) else None
     if not isinstance(commands, list):
@@ -233,34 +239,47 @@ def _talk2car(document: Any) -> Found:
             yield from _texts("command", item["command"], f"commands[{index}].command")
 
 
-def _bdd_x(table: CsvTable) -> Found:
+def _bdd_x_table(table: CsvTable) -> CsvTable | Issue:
+    """Return a table that has the columns of BDD-X, or an issue of its header."""
+    if not table.header and isinstance(issue := next(table.rows, None), Issue):
+        return issue
+    if missing := [column for column in _BDD_X if column not in table.header]:
+        return Issue(f"line {table.line}", f"has no column {missing[0]!r}")
+    if twice := repeated(table.header, filter(_BDD_X_TEXT.fullmatch, table.header)):
+        return Issue(f"line {table.line}", f"has two columns {twice!r}")
+    return table
+
+
+def _bdd_x(table: CsvTable) -> TextsAndIssues:
     """Read the columns `Answer.<k>action` and `Answer.<k>justification`, k from 1 to 15."""
-    columns = [name for name in table.header if re.fullmatch(r"Answer\.\d+action", name)]
+    columns = [match[1] for name in table.header if (match := _BDD_X_TEXT.fullmatch(name))]
     for row in table.rows:
         if isinstance(row, Issue):
             yield row
             continue
-        for column in columns:
-            action = row.fields.get(column, "").strip()
-            reason = row.fields.get(column.removesuffix("action") + "justification", "").strip()
-            if not action:
-                continue
-            yield DatasetText("action", action)
-            if reason:
-                yield DatasetText("justification", reason)
-            yield DatasetText("sentence", _joined(action, reason))
+        for column in dict.fromkeys(columns):
+            said = {}
+            for kind in ("action", "justification"):
+                cell = f"{column}{kind}"
+                for part in _texts(kind, row.fields.get(cell), f"line {row.line}, {cell}"):
+                    yield part
+                    if isinstance(part, DatasetText):
+                        said[kind] = part.text
+            if "action" in said:
+                yield DatasetText("sentence", _joined(said["action"], said.get("justification")))
 
 
-def _joined(action: str, reason: str) -> str:
+def _joined(action: str, reason: str | None) -> str:
     """Join "The car stops" and "because the light is red.", or two whole sentences."""
-    if not reason:
+    if reason is None:
         return action
     if reason[0].islower():
-        return f"{action.rstrip('.')} {reason}"
-    return f"{action.rstrip('.')}. {reason}"
+        return f"{action.rstrip('.!? ')} {reason}"
+    action = action.rstrip(". ")
+    return f"{action} {reason}" if action.endswith(("!", "?")) else f"{action}. {reason}"
 
 
-def _cityflow(document: Any) -> Found:
+def _cityflow(document: Any) -> TextsAndIssues:
     """Read `{track id: {nl: [...], nl_other_views: [...]}}`, or, as in 2021, `{query id: [...]}`."""
     if not isinstance(document, dict):
         yield Issue("", f"is {type(document).__name__}, not an object of tracks")
@@ -295,14 +314,14 @@ def _members(value: Any, where: str, what: str) -> Iterator[tuple[str, dict[str,
             yield place, Issue(place, f"is {type(content).__name__}, not a {what}")
 
 
-def _texts(kind: str, value: Any, where: str) -> Found:
+def _texts(kind: str, value: Any, where: str) -> TextsAndIssues:
     """Yield one text, or nothing if it is empty."""
-    if value is None:
+    if value is None or (isinstance(value, str) and not value.strip()):
         return
-    if not isinstance(value, str):
-        yield Issue(where, f"is {type(value).__name__}, not a text")
-    elif text := " ".join(value.split()):
-        yield DatasetText(kind, text)
+    if fault := fault_of(value):
+        yield Issue(where, fault)
+    else:
+        yield DatasetText(kind, " ".join(value.split()))
 
 
 LAYOUTS: dict[str, FileLayout] = {

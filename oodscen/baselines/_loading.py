@@ -97,7 +97,7 @@ def _dataset(file: Path, layout: str) -> tuple[FileLayout, Any] | None:
 def _texts(
     layout: FileLayout, document: Any, parts: Sequence[str] | None, source: str
 ) -> list[str]:
-    kinds = layout.parts if parts is None else chosen_parts(layout, tuple(parts))
+    kinds = layout.default_parts if parts is None else chosen_parts(layout, tuple(parts))
     issues: list[Issue] = []
     texts: list[str] = []
     for found in [document] if isinstance(document, Issue) else layout.read(document):

@@ -3,7 +3,7 @@
 import csv
 import io
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
@@ -11,13 +11,15 @@ from oodscen._csv import csv_fault
 from oodscen._display import brief
 from oodscen._files import read_utf8
 from oodscen._json import parse_json
-from oodscen._text import whole
 from oodscen.baselines._texts import fault_of, refuse
 from oodscen.errors import Issue
 
 _LINE_END = re.compile(r"\r\n|\r|\n")
 _TEXT_LIST = re.compile(r"\s*\[\s*(?:[\"{\]]|$)")
 """Beginning of a JSON list of strings or objects; `[Night] A deer stands.` is a text."""
+
+_GROUP_FIELDS = ("path", "leaf", "group")
+"""Fields that may hold the group of a text; the first that is not empty counts."""
 
 Values: TypeAlias = Iterator[tuple[str, Any] | Issue]
 """Values of a file, each with its place, and issues."""
@@ -81,13 +83,14 @@ def read_records(path: str | Path, noun: str = "text file") -> list[Record]:
 
 def _values(content: str, suffix: str) -> Values:
     """Yield each value with its place, or an issue instead of it."""
-    is_object = content.lstrip().startswith("{")
     if suffix in (".csv", ".tsv"):
-        return _rows(content, "\t" if suffix == ".tsv" else ",")
-    if suffix in (".jsonl", ".ndjson") or is_object:
-        return _json_lines(content, suffix)
+        return _csv_values(content, "\t" if suffix == ".tsv" else ",")
+    if suffix in (".jsonl", ".ndjson"):
+        return _json_lines(content)
+    if content.lstrip().startswith("{"):
+        return _json_objects(content)
     if suffix == ".json" or _TEXT_LIST.match(content):
-        return _list(content)
+        return _json_list(content)
     return _plain_lines(content)
 
 
@@ -121,15 +124,26 @@ def _lines(content: str) -> Iterator[tuple[int, str]]:
             yield number, line
 
 
-def _rows(content: str, delimiter: str) -> Values:
+def _csv_values(content: str, delimiter: str) -> Values:
     table = read_csv(content, delimiter)
-    if table.header and table.header.count("text") != 1:
-        listed = ", ".join(table.header)
-        fault = "has two columns 'text'" if "text" in table.header else "has no column 'text'"
+    if table.header and (fault := _header_fault(table.header)):
+        listed = ", ".join(map(repr, table.header))
         yield Issue(f"line {table.line}", f"{fault} (columns: {listed})")
         return
     for row in table.rows:
         yield row if isinstance(row, Issue) else (f"line {row.line}", row.fields)
+
+
+def _header_fault(header: tuple[str, ...]) -> str:
+    if "text" not in header:
+        return "has no column 'text'"
+    twice = repeated(header, ("text", *_GROUP_FIELDS))
+    return f"has two columns {twice!r}" if twice else ""
+
+
+def repeated(header: tuple[str, ...], columns: Iterable[str]) -> str:
+    """Return the first of some columns that a header names more than once; empty if there is none."""
+    return next((name for name in columns if header.count(name) > 1), "")
 
 
 def read_csv(content: str, delimiter: str = ",") -> CsvTable:
@@ -177,7 +191,7 @@ def _csv_rows(content: str, delimiter: str) -> Iterator[tuple[int, list[str]] | 
             yield begins, cells
 
 
-def _list(content: str) -> Values:
+def _json_list(content: str) -> Values:
     try:
         values = parse_json(content)
     except (ValueError, RecursionError) as error:
@@ -190,15 +204,19 @@ def _list(content: str) -> Values:
         yield f"[{index}]", value
 
 
-def _json_lines(content: str, suffix: str) -> Values:
-    if suffix == ".json":
-        try:
-            value = parse_json(content)
-        except (ValueError, RecursionError):
-            pass  # Several objects, one a line: JSON lines under another name.
-        else:
-            yield "", value
-            return
+def _json_objects(content: str) -> Values:
+    """Yield the objects of JSON lines under another name, or one object that takes several lines."""
+    _, first = next(_lines(content))
+    if _is_json(first):
+        yield from _json_lines(content)
+        return
+    try:
+        yield "", parse_json(content)
+    except (ValueError, RecursionError) as error:
+        yield Issue("", f"is not JSON: {error}")
+
+
+def _json_lines(content: str) -> Values:
     for number, line in _lines(content):
         try:
             yield f"line {number}", parse_json(line)
@@ -219,14 +237,17 @@ def _record(where: str, value: Any) -> Record | Issue:
 
 def _group(where: str, fields: Mapping[str, Any]) -> str | Issue | None:
     """Return the first of `path`, `leaf` and `group` that is not empty."""
-    for name in ("path", "leaf", "group"):
+    for name in _GROUP_FIELDS:
         value = fields.get(name)
         if value is None:
             continue
-        labels = value if isinstance(value, list) else [value]
-        for label in labels:
+        given = value if isinstance(value, list) else [value]
+        for label in given:
             if isinstance(label, bool) or not isinstance(label, str | int):
                 return Issue(where, f"`{name}` holds {type(label).__name__}, not a text")
-        if group := " / ".join(map(str, labels)).strip():
-            return whole(group)
+        labels = [str(label).strip() for label in given]
+        if any(labels):
+            return (
+                " / ".join(labels) if all(labels) else Issue(where, f"`{name}` holds a blank label")
+            )
     return None

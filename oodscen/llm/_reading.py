@@ -1,11 +1,11 @@
 """Reading a typed answer out of the text of a language model."""
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Generic, NamedTuple, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from oodscen._prose import is_disowned, without_thoughts
+from oodscen._prose import is_disowned, is_taken_back, without_thoughts
 from oodscen.data._issues import issues_of
 from oodscen.errors import Issue
 from oodscen.llm._json_objects import Found, find_objects, is_cut_off
@@ -35,6 +35,8 @@ class _Reading(NamedTuple, Generic[Answer]):
     """None if the object has another shape, or lacks its end and some of its members."""
     issues: list[Issue]
     """Faults of its shape, or reasons why it may say something else than what was read."""
+    after: str
+    """The text behind it."""
 
 
 def read_answer(
@@ -63,7 +65,11 @@ def read_answer(
     first = answers[0]
     issues = [issue for answer in answers for issue in answer.issues]
     if not issues:
-        issues = [*_rivals(answers), *_corrections(first, others, kind)]
+        issues = [
+            *_rivals(answers),
+            *_corrections(first, others, kind),
+            *_second_thoughts(answers[-1]),
+        ]
     if not issues and first.answer is not None:
         issues = [issue for check in checks for issue in check(first.answer)]
     return (None, issues) if issues else (first.answer, [])
@@ -71,6 +77,8 @@ def read_answer(
 
 def _read(candidates: tuple[Found, ...], kind: type[Answer], said: str) -> _Reading[Answer]:
     """Read an object, or else the one that it wraps."""
+    outer = candidates[0]
+    after = said[outer.start + outer.width :] if outer.width else ""
     outer_issues: list[Issue] = []
     for found in candidates:
         try:
@@ -79,8 +87,8 @@ def _read(candidates: tuple[Found, ...], kind: type[Answer], said: str) -> _Read
             outer_issues = outer_issues or issues_of(error)
             continue
         if found.is_complete or kind.model_fields.keys() <= found.value.keys():
-            return _Reading(found, answer, [*_doubts(found, answer), *_denial(candidates[0], said)])
-    return _Reading(candidates[0], None, outer_issues)
+            return _Reading(found, answer, [*_doubts(found, answer), *_denial(outer, said)], after)
+    return _Reading(outer, None, outer_issues, after)
 
 
 def _nearest_faults(others: Sequence[_Reading[Answer]], said: str) -> list[Issue]:
@@ -106,14 +114,40 @@ def _corrections(
     answer: _Reading[Answer], others: Sequence[_Reading[Answer]], kind: type[Answer]
 ) -> list[Issue]:
     """Return the fault that another object, such as a correction, gives a member of the answer another value."""
+    given = answer.found.value
+    inner = list(_inner_objects(given))
     is_contradicted = any(
-        name in kind.model_fields and said != answer.found.value.get(name)
-        for other in others
-        for name, said in other.found.value.items()
+        any(name in kind.model_fields and said != given.get(name) for name, said in other.items())
+        or _contradicts(other, inner)
+        for other in (reading.found.value for reading in others)
     )
     if not is_contradicted:
         return []
     return [Issue("", "a second object beside the answer says otherwise; give one")]
+
+
+def _inner_objects(value: object) -> Iterator[dict[str, Any]]:
+    """Yield the objects that an object or a list holds, at any depth."""
+    held = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    for one in held:
+        if isinstance(one, dict):
+            yield one
+        yield from _inner_objects(one)
+
+
+def _contradicts(other: dict[str, Any], objects: Sequence[dict[str, Any]]) -> bool:
+    """Return whether an object shares members with some others, and agrees with none of those."""
+    alike = [one for one in objects if one.keys() & other.keys()]
+    return bool(alike) and not any(
+        all(one[name] == other[name] for name in one.keys() & other.keys()) for one in alike
+    )
+
+
+def _second_thoughts(answer: _Reading[Answer]) -> list[Issue]:
+    """Return the fault that the words behind an answer take it back or correct it."""
+    if not is_taken_back(answer.after):
+        return []
+    return [Issue("", "the words after the object correct it; give the corrected object alone")]
 
 
 def _denial(found: Found, said: str) -> list[Issue]:

@@ -221,27 +221,22 @@ def _rows(
     tree: "ScenarioTree", counts: Mapping[str, Counter[str]], per_km: Mapping[str, float]
 ) -> tuple[NodeTally, ...]:
     order = list(tree.walk())
-    met = {
-        node.id: per_km[node.id]
-        for node, _ in order
-        if node.id in per_km and not tree.children[node.id]
-    }
+    leaves = [leaf.id for leaf in tree.leaves]
+    met = {leaf: per_km[leaf] for leaf in leaves if leaf in per_km}
     total = sum(met.values())
-    lacks: dict[str, Lack] = {}
-    for node, depth in reversed(order):
-        count = counts[node.id]
-        if not tree.children[node.id] and depth >= 2:
-            lacks[node.id] = _lack(count)
-            count.update(leaves=1, holes=int(bool(lacks[node.id])))
+    lacks = {leaf: _lack(counts[leaf]) for leaf in leaves}
+    for leaf, lack in lacks.items():
+        counts[leaf].update(leaves=1, holes=int(bool(lack)))
+    for node, _ in reversed(order):
         if node.parent is not None:
-            counts[node.parent].update(count)
+            counts[node.parent].update(counts[node.id])
             if node.id in met:
                 met[node.parent] = met.get(node.parent, 0.0) + met[node.id]
     return tuple(
         NodeTally(
             id=node.id,
             label=node.label,
-            kind=_kind(depth, is_leaf=not tree.children[node.id]),
+            kind=_kind(depth, is_leaf=node.id in lacks),
             depth=depth,
             exposure=round(met[node.id] / total, 6) if node.id in met and total > 0.0 else None,
             lacks=lacks.get(node.id, ""),

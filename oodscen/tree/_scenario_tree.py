@@ -1,8 +1,9 @@
 """The scenario tree: an immutable taxonomy, defined by its edit log."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, ClassVar, Literal, NoReturn, Self, TypeAlias
 
 from oodscen._arguments import checked, instance_of
@@ -56,8 +57,8 @@ class ScenarioTree:
     """A taxonomy of OOD scenarios: root, classes, families, leaves.
 
     Each root-to-leaf path is one distinct kind of OOD scenario (paper, section III-A). The tree is
-    a value: every operation returns a new tree, and `edits` is the whole history. Operations on one
-    edit take the same time on a tree of any size; `nodes` and `edits` are built on first access. A
+    a value: every operation returns a new tree, and `edits` is the whole history. Appending an
+    edit takes the same time on a tree of any size; `nodes` and `edits` are built on first access. A
     tree is a collection of its nodes: `len`, iteration and `in` are those of `nodes`.
     """
 
@@ -91,8 +92,13 @@ class ScenarioTree:
         return tree
 
     @classmethod
+    @checked
     def initial(cls, label: str = "Out-of-distribution driving scenario") -> Self:
-        """Return a tree with a root and the two classes."""
+        """Return a tree with a root and the two classes.
+
+        Raises:
+            DataError: If the text cannot be a label.
+        """
         nodes = [Node(id=ROOT, parent=None, label=label)]
         nodes += [Node(id=slug(name), parent=ROOT, label=name) for name in CLASSES]
         return cls(adding(node, stage="grow") for node in nodes)
@@ -117,7 +123,8 @@ class ScenarioTree:
         is_bare = bool(file.nodes) and not file.edits
         edits = tuple(adding(node, stage="file") for node in file.nodes) if is_bare else file.edits
         index, issues = EditLog().extend(0, edits, where="nodes" if is_bare else "edits")
-        if not issues and file.nodes and index.ordered() != file.nodes:
+        is_stated = "nodes" in file.model_fields_set
+        if not issues and is_stated and index.ordered() != file.nodes:
             issues.append(Issue("nodes", "do not follow from the edits"))
         if issues:
             raise DataError(cls.noun, issues, source=source)
@@ -229,7 +236,12 @@ class ScenarioTree:
 
         Args:
             index: Position in `edits`, from 0.
+
+        Raises:
+            UsageError: If there is no such edit.
         """
+        if not self._version:
+            raise UsageError("the tree has no edits")
         return self._index.before[whole_number("index", index, 0, self._version - 1)]
 
     # --------------------------------------------------------- against others
@@ -344,18 +356,18 @@ class ScenarioTree:
         return self.by_id[node_id]
 
     @cached_property
-    def by_id(self) -> dict[str, Node]:
+    def by_id(self) -> Mapping[str, Node]:
         """Nodes by id, in order."""
-        return {node.id: node for node in self.nodes}
+        return MappingProxyType({node.id: node for node in self.nodes})
 
     @cached_property
-    def children(self) -> dict[str, tuple[str, ...]]:
+    def children(self) -> Mapping[str, tuple[str, ...]]:
         """Ids of the children of every node, in order."""
         found: dict[str, list[str]] = {node.id: [] for node in self.nodes}
         for node in self.nodes:
             if node.parent is not None:
                 found[node.parent].append(node.id)
-        return {key: tuple(value) for key, value in found.items()}
+        return MappingProxyType({key: tuple(value) for key, value in found.items()})
 
     @property
     def leaves(self) -> tuple[Node, ...]:
@@ -380,14 +392,7 @@ class ScenarioTree:
     @property
     def paths(self) -> dict[str, tuple[str, ...]]:
         """Labels from the root down, by leaf id."""
-        found = {}
-        labels: list[str] = []
-        for node, depth in self.walk():
-            del labels[depth:]
-            labels.append(node.label)
-            if depth >= 2 and not self.children[node.id]:
-                found[node.id] = tuple(labels)
-        return found
+        return {leaf.id: self.path(leaf.id) for leaf in self.leaves}
 
     def walk(self) -> Iterator[tuple[Node, int]]:
         """Yield every node with its depth, parents first, siblings in order."""
@@ -441,6 +446,9 @@ class ScenarioTree:
     # ------------------------------------------------------------------- value
 
     def __setattr__(self, name: str, value: object) -> NoReturn:
+        raise AttributeError("a tree never changes: `apply` returns another one")
+
+    def __delattr__(self, name: str) -> NoReturn:
         raise AttributeError("a tree never changes: `apply` returns another one")
 
     def __eq__(self, other: object) -> bool:

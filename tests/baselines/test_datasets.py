@@ -22,6 +22,14 @@ def _qa(question, answer):
     }
 
 
+TAG = "<c1,CAM_FRONT,1.0,2.0>"
+
+
+def _asked(looks, question, stage="perception"):
+    frame = {"key_object_infos": {TAG: _object(looks)}, "QA": {stage: [_qa(question, "")]}}
+    return json.dumps({"s": {"scene_description": "", "key_frames": {"f": frame}}})
+
+
 def _object(looks):
     return {
         "Category": "Vehicle",
@@ -202,6 +210,65 @@ def test_parts_are_chosen(tmp_path, layout, parts, texts):
     assert list(load_baseline(tmp_path / name, parts=parts).texts) == texts
 
 
+@pytest.mark.parametrize(
+    ("looks", "question", "text"),
+    [
+        ("A black car.", "Where is {}?", "Where is a black car?"),
+        ("AN SUV", "Where is {}?", "Where is an SUV?"),
+        ("Two cars", "Where are the {}?", "Where are two cars?"),
+        ("Two-wheeler.", "Where is {}?", "Where is the two-wheeler?"),
+        ("Black car", "Is a {} here?", "Is the black car here?"),
+        ("Black car", "Is an object {} here?", "Is the black car here?"),
+        ("A8", "{} waits.", "The A8 waits."),
+    ],
+)
+def test_the_description_of_an_object_takes_one_article(tmp_path, looks, question, text):
+    (tmp_path / "v.json").write_text(_asked(looks, question.format(TAG)))
+    assert load_baseline(tmp_path / "v.json", parts=["qa"]).texts == (text,)
+
+
+@pytest.mark.parametrize(
+    ("action", "reason", "text"),
+    [
+        ("The car stops!", "Because of rain", "The car stops! Because of rain"),
+        ("The car stops!", "because of rain", "The car stops because of rain"),
+        ("The car stops", "Rain falls.", "The car stops. Rain falls."),
+        ("The  car\nstops. ", "for\ta bus", "The car stops for a bus"),
+    ],
+)
+def test_an_action_and_its_reason_are_one_text(tmp_path, action, reason, text):
+    (tmp_path / "v.csv").write_text(_bdd([(action, reason)]), newline="")
+    assert load_baseline(tmp_path / "v.csv").texts == (text,)
+
+
+def test_a_reason_without_an_action_is_a_justification_and_no_sentence(tmp_path):
+    (tmp_path / "v.csv").write_text(_bdd([("", "It rains."), ("The car stops.", "")]), newline="")
+    assert load_baseline(tmp_path / "v.csv", parts=["justification"]).texts == ("It rains.",)
+    assert load_baseline(tmp_path / "v.csv").texts == ("The car stops.",)
+
+
+@pytest.mark.parametrize("layout", ["auto", "bdd-x"])
+@pytest.mark.parametrize("column", ["Answer.1action", "Answer.2justification"])
+def test_no_column_of_bdd_x_may_be_there_twice(tmp_path, layout, column):
+    header = "Input.Video,Answer.1action,Answer.2action,Answer.2justification"
+    (tmp_path / "v.csv").write_text(f"{header},{column}\nx,A.,B.,C.,D.\n")
+    with pytest.raises(DataError, match=f"line 1: has two columns '{column}'"):
+        load_baseline(tmp_path / "v.csv", layout=layout)
+
+
+def test_a_header_that_is_no_csv_lacks_no_column(tmp_path):
+    (tmp_path / "v.csv").write_text('Input.Video,"Answer.1action\na')
+    with pytest.raises(DataError, match="line 1: is not CSV: a quote is not closed"):
+        load_baseline(tmp_path / "v.csv", layout="bdd-x")
+
+
+def test_a_key_that_occurs_twice_is_never_a_data_set(tmp_path):
+    scene = '{"scene_description": "x", "key_frames": {}}'
+    (tmp_path / "v.json").write_text(f'{{"s": {scene}, "s": {scene}}}')
+    with pytest.raises(DataError, match="'s' occurs twice"):
+        load_baseline(tmp_path / "v.json")
+
+
 def test_queries_of_2021_are_bare_lists(tmp_path):
     (tmp_path / "test-queries.json").write_text('{"q1": ["a car", "one car"], "q2": ["a van"]}')
     baseline = load_baseline(tmp_path / "test-queries.json", layout="cityflow-nl")
@@ -248,6 +315,10 @@ def test_equal_texts_can_be_dropped_and_a_licence_be_named(tmp_path):
         ("nuscenes", '[{"description": "a"}, {"name": "b"}, 5]', ["[1]", "[2]"]),
         ("nuscenes", '[{"description": 7}]', ["[0].description"]),
         ("nuscenes", '[{"description": " "}]', [""]),
+        ("nuscenes", '[{"description": "a"}, {"description": "b\\u0000"}]', ["[1].description"]),
+        ("drivelm", '{"s": {"key_frames": {}}, "s": {"key_frames": {}}}', [""]),
+        ("drivelm", _asked("", ""), [""]),
+        ("drivelm", _asked("", "", stage="Perception"), ["s.key_frames.f.QA.Perception"]),
         ("talk2car", '{"scene_tokens": []}', ["commands"]),
         ("talk2car", '{"commands": [{"command": "a"}, {}]}', ["commands[1]"]),
         ("bdd-x", "text\na car\n", ["line 1"]),

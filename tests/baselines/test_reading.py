@@ -84,9 +84,10 @@ def test_many_faults_are_summed_up(tmp_path):
 def test_groups_come_from_path_leaf_or_group(tmp_path):
     rows = [{"path": ["r", "x"], "leaf": "y"}, {"leaf": "y"}, {"group": "z"}, {}]
     rows += [{"leaf": 12}, {"path": ["r", 0]}, {"path": [], "leaf": None, "group": " z "}]
+    rows += [{"path": ["", " "], "leaf": "y"}, {"path": [" r ", "x "]}, {"path": [""]}]
     path = tmp_path / "a.jsonl"
     path.write_text("\n".join(json.dumps({"text": "t"} | row) for row in rows))
-    groups = ["r / x", "y", "z", None, "12", "r / 0", "z"]
+    groups = ["r / x", "y", "z", None, "12", "r / 0", "z", "y", "r / x", None]
     assert [record.group for record in read_records(path)] == groups
 
 
@@ -96,6 +97,13 @@ def test_a_label_is_the_same_in_json_and_csv(tmp_path_factory, label):
     (folder / "a.jsonl").write_text(json.dumps({"text": "A deer.", "leaf": label}))
     (folder / "a.csv").write_text(f"text,leaf\nA deer.,{label}\n")
     assert read_records(folder / "a.jsonl") == read_records(folder / "a.csv")
+
+
+@pytest.mark.parametrize("path", [["r", ""], ["", "r"], ["r", " ", "x"]])
+def test_a_path_with_a_blank_label_is_refused(tmp_path, path):
+    (tmp_path / "a.jsonl").write_text(json.dumps({"text": "A deer.", "path": path}))
+    with pytest.raises(DataError, match="line 1: `path` holds a blank label"):
+        read_records(tmp_path / "a.jsonl")
 
 
 @pytest.mark.parametrize("label", [1.5, True, {"a": "b"}, ["r", None], ["r", ["x"]]])
@@ -154,7 +162,10 @@ def test_csv_of_any_texts_is_read_as_it_was_written(tmp_path_factory, rows, end)
         ('text\nA deer.\n"A sofa.\nA car.\n', "line 3", "a quote is not closed"),
         ('text\n"A "deer" jumps."\n', "line 2", "is not CSV"),
         ("text\nA deer, jumping.\n", "line 2", "has 2 fields"),
-        ("text,text\nA deer.,A sofa.\n", "line 1", "two columns"),
+        ("text,text\nA deer.,A sofa.\n", "line 1", "two columns 'text'"),
+        ("text,leaf,leaf\nA deer.,a,b\n", "line 1", "two columns 'leaf'"),
+        ("group,text,path,group\na,A deer.,b,c\n", "line 1", "two columns 'group'"),
+        ("id, text\n1,A deer.\n", "line 1", "(columns: 'id', ' text')"),
         ("words\nA deer.\n", "line 1", "no column 'text'"),
         ("text,leaf\n,a\nA deer.\n", "line 2", "is blank"),
         ("text,leaf\n\n\n,a\n", "line 4", "is blank"),
@@ -242,6 +253,18 @@ def test_json_below_a_plain_line_is_no_text(tmp_path_factory, lines, value):
     (issue,) = caught.value.issues
     assert issue.path == f"line {len(lines) + 1}"
     assert f"JSON {'object' if isinstance(value, dict) else 'list'}" in issue.message
+
+
+@pytest.mark.parametrize("name", ["a.json", "a.txt", "a"])
+def test_an_object_may_take_several_lines_and_has_one_fault(tmp_path, name):
+    text = json.dumps({"text": "A deer.", "leaf": "x", "id": 3}, indent=2)
+    (tmp_path / name).write_text(text)
+    assert [tuple(record) for record in read_records(tmp_path / name)] == [("A deer.", "x")]
+    (tmp_path / name).write_text(text.replace('"x",', '"x"'))
+    with pytest.raises(DataError) as caught:
+        read_records(tmp_path / name)
+    (issue,) = caught.value.issues
+    assert "at line 4" in issue.message
 
 
 @pytest.mark.parametrize("content", ['"Deer"', "5", "null", "true"])

@@ -14,6 +14,7 @@ from oodscen.judging import read_action
 from oodscen.llm._ask import ATTEMPTS, QUOTED, SHOWN_ISSUES, ask
 from oodscen.llm._reading import MAX_ANSWER, read_answer
 from oodscen.prompts import QUESTIONS
+from oodscen.prompts._scenario.estimate_rarity import RarityEstimates
 from oodscen.prompts._scenario.stage_scene import SceneDraft
 from oodscen.prompts._tree.imagine_scenario import ImaginedScenario, ImagineScenario
 from oodscen.protocols import Completion
@@ -161,6 +162,91 @@ def test_an_object_that_the_words_beside_it_deny_is_no_answer(shape):
 def test_a_correction_beside_an_answer_is_not_passed_over(other, is_taken):
     raw = f"{json.dumps(GOOD)}\nCorrection: {other}"
     assert (read_answer(raw, ImaginedScenario)[0] is not None) is is_taken
+
+
+def estimate(number, best):
+    return {
+        "number": number,
+        "unit": "log10 km",
+        "low": best - 1,
+        "best": best,
+        "high": best + 1,
+        "problem": "none",
+    }
+
+
+ESTIMATES = RarityEstimates(estimates=[estimate(1, 6.0), estimate(2, 5.0)])
+
+
+@pytest.mark.parametrize(
+    ("other", "is_taken"),
+    [
+        ({"number": 1, "best": 3}, False),
+        ({"best": 3}, False),
+        (estimate(1, 3.0), False),
+        ({"number": 3, "best": 5}, False),
+        ({"number": 2, "best": 6}, False),
+        (estimate(1, 6.0), True),
+        ({"number": 2, "best": 5}, True),
+        ({"best": 5}, True),
+        ({"x": 1}, True),
+    ],
+)
+@pytest.mark.parametrize(
+    "shape", ["{answer}\nCorrection: {other}", "{other}\n{answer}", "{answer}\n[{other}]"]
+)
+def test_an_entry_beside_a_list_must_be_one_of_its_entries(other, is_taken, shape):
+    raw = shape.format(answer=dumped(ESTIMATES), other=json.dumps(other))
+    assert read_answer(raw, RarityEstimates)[0] == (ESTIMATES if is_taken else None)
+
+
+TAKEN_BACK = [
+    "Wait, actually 1 should be 3.",
+    "Wait... no.",
+    "Correction: text 1 is 3.",
+    "```\n\n**Corrected estimate**: 3 for text 1.",
+    "Sorry, that is wrong: the first should be 3, not 6.",
+    "Sorry, text 1 should be 3.",
+    "On second thought, 3 for text 1.",
+    "Actually, best for 1 is 3.",
+    "Scratch that.",
+    "I made a mistake, 1 is 3.",
+    "Hmm, no. Best of number 1: 3.",
+    "Edit: 1 -> 3",
+    "Oops, number 1 should be 3.",
+    "These are rough. Number 1 should be 3.",
+    "I misread text 1.",
+    "Let me correct that: 3.",
+    "Please disregard the above.",
+]
+LEFT_STANDING = [
+    "I hope this helps! Let me know if you need more.",
+    "Note: these estimates are rough, and I am not sure about text 2.",
+    "Explanation:\n- 1: rare\n- 2: common, but no surprise",
+    "Wait for the pedestrian, then go. Stop. Wait. Proceed.",
+    "This is wrong-way driving, and it is not common.",
+    "Corrected for winter. Actually rare events are hard to judge.",
+    "The speed should be 30 km/h. Text 2 should be read as one event.",
+    "No, there is nothing unusual. However, the driver made a mistake.",
+    "Sorry that I cannot be more exact.",
+    "I would correct the course by steering.",
+]
+
+
+@pytest.mark.parametrize("after", [*TAKEN_BACK, *LEFT_STANDING])
+def test_an_answer_that_the_words_behind_it_correct_is_asked_again(after):
+    answer = dumped(ESTIMATES)
+    found, issues = read_answer(f"{answer}\n{after}", RarityEstimates)
+    assert found == (None if after in TAKEN_BACK else ESTIMATES)
+    assert not issues or "words after the object" in issues[0].message
+    for raw in (f"{after}\n{answer}", f"{answer}\n{after}\n{answer}"):
+        assert read_answer(raw, RarityEstimates) == (ESTIMATES, [])
+
+
+@pytest.mark.parametrize("piece", ["\n", "- ", "-actually", "sorry. ", "no no ", "number 1 "])
+def test_long_words_behind_an_answer_are_read_soon(piece):
+    raw = dumped(ESTIMATES) + piece * ((MAX_ANSWER - 1_000) // len(piece))
+    assert read_answer(raw, RarityEstimates) == (ESTIMATES, [])
 
 
 @pytest.mark.parametrize(

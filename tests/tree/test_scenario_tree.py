@@ -341,9 +341,10 @@ def test_nodes_that_do_not_follow_from_the_edits_are_refused():
     tree = ScenarioTree.initial()
     value = json.loads(tree.to_json())
     value["nodes"][1]["label"] = "Else"
-    with pytest.raises(DataError) as caught:
-        ScenarioTree.parse(value)
-    assert [issue.path for issue in caught.value.issues] == ["nodes"]
+    for nodes in (value["nodes"], value["nodes"][:2], []):
+        with pytest.raises(DataError) as caught:
+            ScenarioTree.parse({**value, "nodes": nodes})
+        assert [issue.path for issue in caught.value.issues] == ["nodes"]
 
 
 @pytest.mark.parametrize("text", ["", "[]", "null", '{"nodes": 3}', "{", '{"nodes":' + "[" * 9_000])
@@ -483,6 +484,12 @@ def test_a_tree_never_changes():
     for name in ("nodes", "edits", "by_id", "children"):
         with pytest.raises(AttributeError, match="never changes"):
             setattr(tree, name, ())
+        with pytest.raises(AttributeError, match="never changes"):
+            delattr(tree, name)
+    for found in (tree.by_id, tree.children):
+        with pytest.raises(TypeError):
+            found[ROOT] = ()
+        assert not hasattr(found, "clear")
     assert repr(tree) == "<scenario tree: 3 nodes, 0 paths, 3 edits>"
 
 
@@ -519,11 +526,18 @@ def test_an_object_without_nodes_and_edits_is_no_tree():
         lambda tree: tree.merge("tree"),
         lambda tree: tree.path(5),
         lambda tree: tree.new_id(None),
+        lambda tree: tree.initial(3),
+        lambda tree: tree.before(3),
     ],
 )
 def test_arguments_of_another_kind_are_refused(call):
     with pytest.raises(UsageError, match="must be"):
         call(ScenarioTree.initial())
+
+
+def test_a_tree_without_edits_has_none_to_look_before():
+    with pytest.raises(UsageError, match="the tree has no edits"):
+        ScenarioTree().before(0)
 
 
 def test_labels_pair_by_meaning_from_the_threshold_on():

@@ -106,14 +106,17 @@ class Rarity(Data):
     def __str__(self) -> str:
         n = len(self.per_text)
         if self.median is None:
-            return f"rarity                 is unknown for all of {n} texts"
-        found = [rarity.best for rarity in self.per_text if rarity.best is not None]
-        ends = np.quantile(found, [0.1, 0.9])
-        line = (
-            f"rarity                 once in 10^{self.median:.1f} km (median; 80 % of texts "
-            f"10^{ends[0]:.1f} to 10^{ends[1]:.1f}), by {self.by}"
-        )
-        line += f"; unknown for {self.unknown} of {n}" if self.unknown else ""
+            line = f"rarity                 is unknown for all of {n} texts, by {self.by}"
+        else:
+            found = [rarity.best for rarity in self.per_text if rarity.best is not None]
+            ends = np.quantile(found, [0.1, 0.9])
+            line = (
+                f"rarity                 once in 10^{self.median:.1f} km (median; 80 % of texts "
+                f"10^{ends[0]:.1f} to 10^{ends[1]:.1f}), by {self.by}"
+            )
+            line += f"; unknown for {self.unknown} of {n}" if self.unknown else ""
+        unanswered = sum("not answered" in rarity.flags for rarity in self.per_text)
+        line += f"; not answered for {unanswered}" if unanswered else ""
         if not self.input_tokens + self.output_tokens:
             return line
         cost = "price not known" if self.cost_usd is None else _money(self.cost_usd)

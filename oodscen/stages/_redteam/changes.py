@@ -114,8 +114,9 @@ def _others(tree: ScenarioTree, placed: PlacedScenario, label: str) -> tuple[str
 def misfits(tree: ScenarioTree, placed: PlacedScenario) -> list[Issue]:
     """Return the faults of an answer that only the whole tree reveals, if just a part of it was shown."""
     issues = label_issues(placed, tree.nodes)
-    if placed.decision == "add" and placed.category and placed.node in tree.by_id:
-        own = _class_of(tree, placed.node)
+    node = placed.node
+    if placed.decision == "add" and placed.category and node is not None and node in tree.by_id:
+        own = _class_of(tree, node)
         for place, name in enumerate(placed.members):
             if name not in tree.by_id or tree.children[name]:
                 issues.append(Issue(f"members[{place}]", f"{name!r} is not a leaf of the tree"))

@@ -1,0 +1,50 @@
+"""`oodscen score`: which model was asked, how often, and what it did not answer."""
+
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from oodscen._cli import main
+from oodscen.protocols import Completion, Request, Usage
+
+ENTRY = {"unit": "log10 km", "low": 4, "best": 5, "high": 6}
+
+
+class Author:
+    name = "author"
+
+    def complete(self, request: Request) -> Completion:
+        entries = [{"number": number, **ENTRY} for number, _ in enumerate(request.prompt.texts, 1)]
+        return Completion(text=json.dumps({"estimates": entries}), usage=Usage(input_tokens=10))
+
+
+class Mute:
+    name = "mute"
+
+    def complete(self, request: Request) -> Completion:
+        return Completion(text="About once in a blue moon.", usage=Usage(input_tokens=15))
+
+
+@pytest.mark.parametrize(
+    ("model", "calls", "words"),
+    [
+        ("Author", 3, ("once in 10^5.0 km", "by author; 30 tokens")),
+        ("Mute", 9, ("unknown for all of 2 texts", "by mute; not answered for 2; 135 tokens")),
+    ],
+)
+def test_the_model_that_was_asked_is_named_with_its_calls(tmp_path, model, calls, words):
+    (tmp_path / "t.txt").write_text("A sofa lies on the road.\nA deer runs across the road.\n")
+    order = ["score", str(tmp_path / "t.txt"), "--encoder", "hash", "--llm", f"{__name__}:{model}"]
+    result = CliRunner().invoke(main, order)
+    assert result.exit_code == 0, result.output
+    (rarity,) = [line for line in result.stdout.splitlines() if line.startswith("rarity")]
+    assert all(part in rarity for part in words)
+    assert result.stdout.splitlines()[-1].split() == ["calls", str(calls), "of", model.lower()]
+    assert json.loads(CliRunner().invoke(main, [*order, "--json"]).stdout)["n"] == 2
+
+
+def test_without_a_model_no_calls_are_told(tmp_path):
+    (tmp_path / "t.txt").write_text("A sofa lies on the road.\n")
+    result = CliRunner().invoke(main, ["score", str(tmp_path / "t.txt"), "--encoder", "hash"])
+    assert "calls" not in result.stdout
