@@ -116,7 +116,7 @@ def _is_proper_name(found: re.Match[str], before: str) -> bool:
     """Return whether a word has a capital inside a sentence, in a text that is not in title case."""
     if not (found.group(0)[0].isupper() and _INSIDE_A_SENTENCE.search(before)):
         return False
-    words = _LATER_WORD.findall(found.string)
+    words: list[str] = _LATER_WORD.findall(found.string)
     return 2 * sum(word[0].isupper() for word in words) <= len(words)
 
 
