@@ -49,7 +49,7 @@ _TAGS = {
     "pedestrian": 12, "vehicle": 14, "cyclist": 19, "vegetation": 9, "signal": 7, "animal": 21,
     "object": 20, "work_zone": 20,
 }  # fmt: skip
-_TAG_OF_WORD = {"truck": 15, "bus": 16, "tram": 17, "motorcycle": 18, "bicycle": 19}
+_TAG_OF_WORD = {"truck": 15, "lorry": 15, "bus": 16, "tram": 17, "motorcycle": 18, "bicycle": 19}
 _BASE_TYPES = {14: "car", 15: "truck", 16: "bus", 18: "motorcycle", 19: "bicycle"}
 """`base_type` of vehicles by semantic tag; scripts choose their traffic by it."""
 _NO_TRAFFIC = (
@@ -126,6 +126,7 @@ class BlueprintLibrary:
 
 
 def _tag(asset: Asset) -> int:
+    """Return the semantic tag of a body; that of a vehicle goes by the words in its id and tags."""
     if asset.category == "vehicle":
         words = {asset.id, *asset.tags}
         return next(
