@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from oodscen.data import Asset, Catalogue
 from oodscen_carla._blueprints import nearest, own_id
@@ -11,13 +11,22 @@ from oodscen_carla.server._values import Vector
 BOOL, INT, FLOAT, STRING, COLOUR = 1, 2, 3, 4, 5
 """Codes of attribute types: `carla.ActorAttributeType`."""
 
-Attribute = tuple[str, int, str, bool]
-"""Name, type code, default and whether a client may change it."""
 
-PICTURE: tuple[Attribute, ...] = (
-    ("image_size_x", INT, "800", True),
-    ("image_size_y", INT, "600", True),
-    ("fov", FLOAT, "90.0", True),
+class Attribute(NamedTuple):
+    """One attribute of a blueprint."""
+
+    name: str
+    kind: int
+    """Code of its type."""
+    default: str
+    is_free: bool = True
+    """True if a client may change it."""
+
+
+PICTURE = (
+    Attribute("image_size_x", INT, "800"),
+    Attribute("image_size_y", INT, "600"),
+    Attribute("fov", FLOAT, "90.0"),
 )
 """The attributes of a camera's picture."""
 CAMERAS = {
@@ -45,14 +54,21 @@ _EFFECTS = (
     *("gamma", "iso", "shutter_speed", "fstop", "bloom_intensity", "lens_flare_intensity"),
     *("motion_blur_intensity", "chromatic_aberration_intensity", "exposure_compensation"),
 )
+_CAR, _TRUCK, _BUS, _TRAM, _MOTORCYCLE, _BICYCLE, _STATIC = 14, 15, 16, 17, 18, 19, 20
+"""Semantic tags: `carla.CityObjectLabel`."""
 _TAGS = {
-    "pedestrian": 12, "vehicle": 14, "cyclist": 19, "vegetation": 9, "signal": 7, "animal": 21,
-    "object": 20, "work_zone": 20,
+    "pedestrian": 12, "vehicle": _CAR, "cyclist": _BICYCLE, "vegetation": 9, "signal": 7, "animal": 21,
+    "object": _STATIC, "work_zone": _STATIC,
 }  # fmt: skip
-_TAG_OF_WORD = {"truck": 15, "bus": 16, "tram": 17, "motorcycle": 18, "bicycle": 19}
-_BASE_TYPES = {14: "car", 15: "truck", 16: "bus", 18: "motorcycle", 19: "bicycle"}
+_TAG_OF_WORD = {
+    "truck": _TRUCK, "lorry": _TRUCK, "bus": _BUS, "tram": _TRAM, "motorcycle": _MOTORCYCLE,
+    "bicycle": _BICYCLE,
+}  # fmt: skip
+_BASE_TYPES = {
+    _CAR: "car", _TRUCK: "truck", _BUS: "bus", _MOTORCYCLE: "motorcycle", _BICYCLE: "bicycle"
+}  # fmt: skip
 """`base_type` of vehicles by semantic tag; scripts choose their traffic by it."""
-_NO_TRAFFIC = (
+_NOT_TRAFFIC = (
     *("overturned", "wreck", "burn", "trailer"),
     *("tractor", "excavator", "forklift", "road_roller"),
 )
@@ -81,8 +97,15 @@ class Blueprint:
         """Return the definition that a client reads."""
         # Scripts draw a colour at random from the recommended ones, so there has to be one.
         attributes = [
-            [name, kind, value, [value] if kind == COLOUR else [], is_free, False]
-            for name, kind, value, is_free in self.attributes
+            [
+                one.name,
+                one.kind,
+                one.default,
+                [one.default] if one.kind == COLOUR else [],
+                one.is_free,
+                False,
+            ]
+            for one in self.attributes
         ]
         return [uid, self.id, self.id.replace(".", ","), attributes]
 
@@ -126,56 +149,55 @@ class BlueprintLibrary:
 
 
 def _tag(asset: Asset) -> int:
+    """Return the semantic tag of a body; that of a vehicle goes by the words in its id and tags."""
     if asset.category == "vehicle":
         words = {asset.id, *asset.tags}
         return next(
-            (tag for word, tag in _TAG_OF_WORD.items() if any(word in one for one in words)), 14
+            (tag for word, tag in _TAG_OF_WORD.items() if any(word in one for one in words)),
+            _CAR,
         )
-    return _TAGS.get(asset.category, 20)
+    return _TAGS.get(asset.category, _STATIC)
 
 
 def _body_attributes(name: str, asset: Asset) -> tuple[Attribute, ...]:
-    role: Attribute = ("role_name", STRING, "default", True)
-    state: Attribute = ("state", STRING, "", True)
+    role, state = Attribute("role_name", STRING, "default"), Attribute("state", STRING, "")
     if name.startswith("walker."):
-        moves: tuple[Attribute, ...] = (
-            ("speed", FLOAT, "1.4", True),
-            ("is_invincible", BOOL, "false", True),
-        )
-        return role, *moves
+        speed = Attribute("speed", FLOAT, "1.4")
+        return role, speed, Attribute("is_invincible", BOOL, "false")
     if not name.startswith("vehicle."):
         return role, state
-    kind = "" if _is_no_traffic(asset) else _BASE_TYPES.get(_tag(asset), "")
+    kind = _BASE_TYPES.get(_tag(asset), "") if _is_traffic(asset) else ""
     wheels = "2" if kind in ("motorcycle", "bicycle") else "4"
     return (
         role,
         state,
-        ("number_of_wheels", INT, wheels, False),
-        ("base_type", STRING, kind, False),
-        ("special_type", STRING, "", False),
-        ("generation", INT, "1", False),
-        ("has_lights", BOOL, "true", False),
-        ("sticky_control", BOOL, "true", True),
-        ("color", COLOUR, "128,128,128", True),
+        Attribute("number_of_wheels", INT, wheels, is_free=False),
+        Attribute("base_type", STRING, kind, is_free=False),
+        Attribute("special_type", STRING, "", is_free=False),
+        Attribute("generation", INT, "1", is_free=False),
+        Attribute("has_lights", BOOL, "true", is_free=False),
+        Attribute("sticky_control", BOOL, "true"),
+        Attribute("color", COLOUR, "128,128,128"),
     )
 
 
-def _is_no_traffic(asset: Asset) -> bool:
-    """Return whether a vehicle is none of the traffic: a wreck, a trailer, a machine."""
+def _is_traffic(asset: Asset) -> bool:
+    """Return whether a vehicle is traffic, and no wreck, trailer or machine."""
     words = {asset.id, *asset.tags}
-    return any(one in word for word in words for one in _NO_TRAFFIC)
+    return not any(one in word for word in words for one in _NOT_TRAFFIC)
 
 
 def _sensor_attributes(name: str) -> tuple[Attribute, ...]:
-    role: Attribute = ("role_name", STRING, "default", True)
+    role = Attribute("role_name", STRING, "default")
     if name == FRICTION_TRIGGER:
         sizes = ("friction", "extent_x", "extent_y", "extent_z")
-        return role, *((size, FLOAT, "1.0", True) for size in sizes)
+        return role, *(Attribute(size, FLOAT, "1.0") for size in sizes)
     if not name.startswith("sensor."):
         return (role,)
-    every: Attribute = ("sensor_tick", FLOAT, "0.0", True)
+    every = Attribute("sensor_tick", FLOAT, "0.0")
     if name not in CAMERAS:
         return role, every
-    lens = _LENS if name != "sensor.camera.rgb" else (*_LENS, *_EFFECTS)
-    extra = [("enable_postprocess_effects", BOOL, "true", True)] if lens is not _LENS else []
-    return role, every, *PICTURE, *((one, FLOAT, "0.0", True) for one in lens), *extra
+    is_rgb = name == "sensor.camera.rgb"
+    lens = [Attribute(one, FLOAT, "0.0") for one in (*_LENS, *(_EFFECTS if is_rgb else ()))]
+    extra = [Attribute("enable_postprocess_effects", BOOL, "true")] if is_rgb else []
+    return role, every, *PICTURE, *lens, *extra

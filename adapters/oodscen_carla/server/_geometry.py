@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 from oodscen_carla.server._values import Transform, Vector
 
+_UPRIGHT = 1e-9
+"""Length of a direction's part on the ground, of 1, up to which it points straight up or down."""
+
 Matrix = NDArray[np.float64]
 
 
@@ -36,8 +39,11 @@ class OrientedBox(NamedTuple):
         reach = math.hypot(*self.extent[:2]) + math.hypot(*other.extent[:2])
         if math.dist(self.place.location[:2], other.place.location[:2]) > reach:
             return False
-        low, high = self.place.location[2], other.place.location[2]
-        if low > high + 2 * other.extent[2] or high > low + 2 * self.extent[2]:
+        bottom, other_bottom = self.place.location[2], other.place.location[2]
+        if (
+            bottom > other_bottom + 2 * other.extent[2]
+            or other_bottom > bottom + 2 * self.extent[2]
+        ):
             return False
         corners = self.footprint(), other.footprint()
         yaws = self.place.rotation[1], other.place.rotation[1]
@@ -72,9 +78,13 @@ def matrix(place: Transform) -> Matrix:
 
 
 def transform_of(m: Matrix) -> Transform:
-    """Return the transform of a matrix."""
-    pitch = math.asin(max(-1.0, min(1.0, float(m[2, 0]))))
-    yaw, roll = math.atan2(m[1, 0], m[0, 0]), math.atan2(-m[2, 1], m[2, 2])
+    """Return the transform of a matrix; straight up or down, where yaw and roll are one turn, the roll is 0."""
+    level = math.hypot(m[0, 0], m[1, 0])
+    pitch = math.atan2(m[2, 0], level)
+    if level > _UPRIGHT:
+        yaw, roll = math.atan2(m[1, 0], m[0, 0]), math.atan2(-m[2, 1], m[2, 2])
+    else:
+        yaw, roll = math.atan2(-m[0, 1], m[1, 1]), 0.0
     x, y, z = m[:3, 3].tolist()
     return Transform((x, y, z), (math.degrees(pitch), math.degrees(yaw), math.degrees(roll)))
 

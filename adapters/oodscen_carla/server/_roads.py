@@ -2,8 +2,10 @@
 
 import hashlib
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -13,29 +15,31 @@ from oodscen.data import Catalogue, RoadMap
 from oodscen.driving._roads.building import find_map, load_corridor, read_map
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._roads.geometry import piecewise
-from oodscen.driving._roads.network import Network, Road
+from oodscen.driving._roads.network import LaneSection, Network, Road
 from oodscen.driving._roads.opendrive import read_network
 from oodscen.driving._roads.routes import road_point
 from oodscen_carla._opendrive import for_carla
 from oodscen_carla.server._values import Transform
 
-_STEP = 2.0
-"""Distance between the samples of heights, m."""
-_NEAR = 40.0
+_STEP_M = 2.0
+"""Least distance between the samples of heights, m."""
+_NEAR_M = 40.0
 """Distance from a road's line beyond which it gives no height, m."""
 _MOST_SAMPLES = 60_000
-_APART = 40.0
+"""Number of samples from which they are farther apart."""
+_APART_M = 40.0
 """Distance between spawn points on a lane, m."""
-_LIFT = 0.3
+_LIFT_M = 0.3
 """Height of spawn points above the road, m."""
-_FIRST = 10.0
+_FIRST_M = 10.0
 """Largest distance of a road's first spawn points from its start, m."""
-_LANE_WIDTH = 2.0
+_LEAST_WIDTH_M = 2.0
 """Width above which a lane has spawn points, m."""
 _MOST_POINTS = 400
-_BEFORE_END = 60.0
+"""Greatest number of spawn points."""
+_BEFORE_END_M = 60.0
 """Distance from the end of the shown road within which no vehicle starts, m."""
-_SLOPE_AROUND = 0.5
+_SLOPE_AROUND_M = 0.5
 """Distance before and after a place over which its slope is measured, m."""
 _LEAST_M = 1e-6
 """Least length by which a rise is divided, m."""
@@ -58,8 +62,10 @@ class ServedMap:
     """The description by which the drawing simulator finds its road."""
     samples: NDArray[np.float64]
     """[n, 5] x, y, z, heading (rad) and slope of all reference lines, in right-handed axes."""
+    step: float
+    """Greatest distance between two samples of a reference line, m."""
     spawn_points: tuple[Transform, ...]
-    """Places for vehicles whose cameras see the road, in CARLA's axes."""
+    """Places for vehicles whose cameras see the road, in CARLA's axes; without any such, places on all roads."""
 
     @classmethod
     def received(cls, text: str, folder: Path, catalogue: Catalogue) -> "ServedMap":
@@ -92,10 +98,12 @@ class ServedMap:
     @classmethod
     def _of(cls, name: str, text: str, road_map: RoadMap) -> "ServedMap":
         network = read_network(read_map(road_map.file), source=name)
-        points = _spawn_points(network)
-        corridor = load_corridor(road_map)
-        shown = tuple(place for place in points if _is_shown(place, corridor))
-        return cls(name, text, road_map, _samples(network), shown or points)
+        corridor, step = load_corridor(road_map), _step(network)
+        shown = (place for place in _spawn_points(network) if _is_shown(place, corridor))
+        points = tuple(islice(shown, _MOST_POINTS)) or tuple(
+            islice(_spawn_points(network), _MOST_POINTS)
+        )
+        return cls(name, text, road_map, _samples(network, step), step, points)
 
     def ground(self, x: float, y: float) -> tuple[float, float, float] | None:
         """Return height, heading and slope of the nearest road, or `None` far from all roads.
@@ -106,17 +114,17 @@ class ServedMap:
         """
         square = (self.samples[:, 0] - x) ** 2 + (self.samples[:, 1] - y) ** 2
         index = int(square.argmin())
-        if square[index] > _NEAR * _NEAR:
+        if square[index] > _NEAR_M * _NEAR_M:
             return None
         px, py, z, heading, slope = self.samples[index].tolist()
         along = (x - px) * math.cos(heading) + (y - py) * math.sin(heading)
-        return z + slope * max(-_STEP, min(_STEP, along)), heading, slope
+        return z + slope * max(-self.step, min(self.step, along)), heading, slope
 
 
 def _is_shown(place: Transform, shown: Corridor) -> bool:
     """Return whether pictures from a place show its road: they show one corridor."""
     s, t = shown.locate(place.location[0], -place.location[1])
-    is_between = shown.start <= s <= shown.length - _BEFORE_END
+    is_between = shown.start <= s <= shown.length - _BEFORE_END_M
     return is_between and shown.is_drivable(s, t, t)
 
 
@@ -143,16 +151,19 @@ def _shipped(catalogue: Catalogue) -> dict[str, RoadMap]:
 
 def _slope(road: Road, s: float) -> float:
     """Return the rise of a road per metre."""
-    before, after = max(0.0, s - _SLOPE_AROUND), min(road.length, s + _SLOPE_AROUND)
+    before, after = max(0.0, s - _SLOPE_AROUND_M), min(road.length, s + _SLOPE_AROUND_M)
     rise = piecewise(road.elevation, after) - piecewise(road.elevation, before)
     return rise / max(after - before, _LEAST_M)
 
 
-def _samples(network: Network) -> NDArray[np.float64]:
-    """Return x, y, z, heading and slope along all reference lines, [n, 5]."""
+def _step(network: Network) -> float:
+    """Return the distance between samples of heights, m: it grows with the roads, whose samples are limited."""
+    return max(_STEP_M, sum(road.length for road in network.roads.values()) / _MOST_SAMPLES)
+
+
+def _samples(network: Network, step: float) -> NDArray[np.float64]:
+    """Return x, y, z, heading and slope along all reference lines, [n, 5], at most a step apart."""
     rows: list[tuple[float, float, float, float, float]] = []
-    total = sum(road.length for road in network.roads.values())
-    step = max(_STEP, total / _MOST_SAMPLES)
     for road in network.roads.values():
         count = max(1, math.ceil(road.length / step))
         for number in range(count + 1):
@@ -164,35 +175,32 @@ def _samples(network: Network) -> NDArray[np.float64]:
     return np.array(rows, np.float64)
 
 
-def _spawn_points(network: Network) -> tuple[Transform, ...]:
-    """Return places for vehicles on the driving lanes outside junctions, in CARLA's axes."""
-    points: list[Transform] = []
+def _spawn_points(network: Network) -> Iterator[Transform]:
+    """Yield places for vehicles on the driving lanes outside junctions, in CARLA's axes."""
     for road in network.roads.values():
         if road.junction:
             continue
-        first = min(_FIRST, road.length / 2)
-        gaps = int(max(0.0, road.length - 2 * first) / _APART)
+        first = min(_FIRST_M, road.length / 2)
+        gaps = int(max(0.0, road.length - 2 * first) / _APART_M)
         for number in range(gaps + 1):
-            points += _across(road, first + number * _APART)
-            if len(points) >= _MOST_POINTS:
-                return tuple(points[:_MOST_POINTS])
-    return tuple(points)
+            yield from _across(road, first + number * _APART_M)
+
+
+def _section_at(road: Road, s: float) -> LaneSection:
+    """Return the lane section of a place."""
+    return next(one for one in reversed(road.sections) if one.s <= s + _ROUNDING_M)
 
 
 def _across(road: Road, s: float) -> list[Transform]:
     """Return one spawn point for every driving lane at a place of a road."""
-    section = next(
-        lane_section
-        for lane_section in reversed(road.sections)
-        if lane_section.s <= s + _ROUNDING_M
-    )
+    section = _section_at(road, s)
     found = []
     for side in (-1, 1):
         t = piecewise(road.lane_offset, s)
         lanes = [lane for lane in section.lanes if lane.id * side > 0]
         for lane in sorted(lanes, key=lambda lane: abs(lane.id)):
             width = piecewise(lane.widths, s - section.s)
-            if lane.type == "driving" and width > _LANE_WIDTH:
+            if lane.type == "driving" and width > _LEAST_WIDTH_M:
                 is_against = ((side > 0) != road.left_hand) != lane.reversed
                 found.append(_spawn_point(road, s, t + side * width / 2, is_against=is_against))
             t += side * width
@@ -204,7 +212,7 @@ def _spawn_point(road: Road, s: float, t: float, *, is_against: bool) -> Transfo
     point = road_point(road, s)
     x = point.x - t * math.sin(point.heading)
     y = point.y + t * math.cos(point.heading)
-    z = piecewise(road.elevation, s) + _LIFT
+    z = piecewise(road.elevation, s) + _LIFT_M
     heading = point.heading + (math.pi if is_against else 0.0)
     pitch = math.degrees(math.atan(_slope(road, s))) * (-1 if is_against else 1)
     yaw = math.degrees(-heading + 2 * math.pi) % 360.0

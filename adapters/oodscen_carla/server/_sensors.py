@@ -32,7 +32,7 @@ def camera_of(attributes: Mapping[str, str]) -> Camera:
     Raises:
         CallError: If its picture is none, or too large.
     """
-    given = {name: attributes.get(name, default) for name, _, default, _ in PICTURE}
+    given = {one.name: attributes.get(one.name, one.default) for one in PICTURE}
     try:
         width, height = (int(given[f"image_size_{axis}"]) for axis in "xy")
         fov = float(given["fov"])

@@ -44,12 +44,12 @@ class Squares:
     """[n] sizes in units, powers of two."""
 
     @classmethod
-    def around(cls, ground: Ground, meeting: Array, wide: float) -> "Squares":
+    def around(cls, ground: Ground, road_corners: Array, wide: float) -> "Squares":
         """Cover the land around the ego's road, except the interior of asphalt.
 
         Args:
             ground: The roads.
-            meeting: [n, 2] points where roads meet or turn tightly, m.
+            road_corners: [n, 2] points along tight bends and paths through junctions, m.
             wide: Distance from the ego's road to the edge of the land, m.
         """
         x = np.concatenate([way.course.x for way in ground.ways])
@@ -69,7 +69,7 @@ class Squares:
             keep |= _is_spanned(ground, near.s, radius) & (near.ego_asphalt < wide + radius)
             steps = np.searchsorted(np.array([0.5, 14.0, 50.0, 120.0]), away)
             wanted = np.array([8.0, 16.0, 32.0, 64.0, 128.0])[steps]
-            wanted = np.minimum(wanted, _finest(meeting, middle, radius))
+            wanted = np.minimum(wanted, _finest(road_corners, middle, radius))
             is_long = _is_spanned(ground, near.s, radius + 40.0) & (
                 near.ego_asphalt - radius < 60.0
             )
@@ -162,12 +162,12 @@ def crossing(distance: Distance, one: Array, two: Array, first: Array, second: A
     return np.asarray(off + share * (on - off), np.float64)
 
 
-def _finest(meeting: Array, middle: Array, radius: float) -> Array:
+def _finest(road_corners: Array, middle: Array, radius: float) -> Array:
     """Return the largest size of squares allowed near tight bends and junctions, in units."""
-    if not len(meeting):
+    if not len(road_corners):
         return np.full(len(middle), float(_ROOT))
-    square = (middle[:, :1] - meeting[None, :, 0]) ** 2
-    square += (middle[:, 1:] - meeting[None, :, 1]) ** 2
+    square = (middle[:, :1] - road_corners[None, :, 0]) ** 2
+    square += (middle[:, 1:] - road_corners[None, :, 1]) ** 2
     gap = np.sqrt(square.min(axis=1)) - radius
     return np.where(gap < 7.0, 4.0, np.where(gap < 13.0, 8.0, float(_ROOT)))
 

@@ -11,7 +11,7 @@ from oodscen_pybullet._types import Array, Ints, Mask
 _CELL_M = 1.0
 """Side of a square of the grid, m."""
 _MARGIN_M = 24.0
-"""Land searched around the meeting points, m."""
+"""Land searched around the corners of roads, m."""
 _MOST_CELLS = 400 * 400
 _REFUGE_M = 3.5
 """Largest radius of a refuge: nothing is planted on it, m."""
@@ -34,16 +34,16 @@ class Islands:
     """The largest circle on each island bigger than a refuge."""
 
     @classmethod
-    def of(cls, ground: Ground, meeting: Array) -> Self:
+    def of(cls, ground: Ground, road_corners: Array) -> Self:
         """Find the land that cannot be reached without crossing asphalt.
 
         Args:
             ground: The roads.
-            meeting: [n, 2] points around which to look for islands, m.
+            road_corners: [n, 2] points along tight bends and paths through junctions, around which to look, m.
         """
-        if not len(meeting):
+        if not len(road_corners):
             return cls._none()
-        low, high = meeting.min(axis=0) - _MARGIN_M, meeting.max(axis=0) + _MARGIN_M
+        low, high = road_corners.min(axis=0) - _MARGIN_M, road_corners.max(axis=0) + _MARGIN_M
         columns, rows = (int(n) for n in np.ceil((high - low) / _CELL_M))
         if columns * rows > _MOST_CELLS:
             return cls._none()

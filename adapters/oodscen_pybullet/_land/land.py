@@ -25,15 +25,15 @@ KERB_FOOT = -0.03
 WIDE_M = 215.0
 """Distance from the ego's road to the edge of the ground, m."""
 
-_X, _Y, _Z, _ASPHALT, _PAVED, _U, _V, _S, _ACROSS = range(9)
-"""Columns of a corner: its place, its distances from asphalt and pavements, its place in its square, its s along
-the ego's road, and its height above tunnels and below bridges."""
+_X, _Y, _Z, _ASPHALT, _PAVED, _U, _V, _S = range(8)
+"""Columns of a corner: its place, its distances from asphalt and pavements, its place in its square, and its s along
+the ego's road."""
 _KERB_TOP_M = 0.18
 """Width of the top of a kerb, m."""
 _ISLAND_RIM_M = 1.6
 """Width of the paved edge of an island, m."""
 _CORNER_M, _CORNER_PAVED_M = 9.0, 2.4
-"""Distance from where roads meet within which the ground is paved, and how far from the asphalt, m."""
+"""Distance from tight bends and junctions within which the ground is paved, and how far from the asphalt, m."""
 _DECK_END_M = 10.0
 """Length at each end of a bridge below which the ground is cut at the road's edge, m."""
 _DECK_EDGE_M = 0.46
@@ -57,8 +57,8 @@ class _GroundBand(NamedTuple):
 
     reach: float
     """The distance, m."""
-    surface: str
-    """A colour or region of the atlas; empty for fields."""
+    surface: str | None
+    """A colour or region of the atlas; `None` for fields, each with its crop."""
 
 
 _BANDS: dict[Theme, tuple[_GroundBand, ...]] = {
@@ -74,10 +74,10 @@ _BANDS: dict[Theme, tuple[_GroundBand, ...]] = {
     ),
     "highway": (
         _GroundBand(12.0, "turf"),
-        _GroundBand(90.0, ""),
+        _GroundBand(90.0, None),
         _GroundBand(_FARTHEST_M, "hill"),
     ),
-    "rural": (_GroundBand(9.0, "turf"), _GroundBand(110.0, ""), _GroundBand(_FARTHEST_M, "hill")),
+    "rural": (_GroundBand(9.0, "turf"), _GroundBand(110.0, None), _GroundBand(_FARTHEST_M, "hill")),
 }
 
 
@@ -95,18 +95,18 @@ class Land:
     """The ground beside roads, as it is cut and surfaced; corners are [triangles, 3, columns]."""
 
     relief: Relief
-    meeting: Array
-    """[n, 2] points where roads meet."""
+    road_corners: Array
+    """[n, 2] points along tight bends and paths through junctions."""
     islands: Islands
     crops: Ints
     """[_FIELDS, _FIELDS] the crop of each field, an index."""
 
     @classmethod
     def drawn(
-        cls, relief: Relief, meeting: Array, islands: Islands, rng: np.random.Generator
+        cls, relief: Relief, road_corners: Array, islands: Islands, rng: np.random.Generator
     ) -> Self:
         """Draw the fields."""
-        return cls(relief, meeting, islands, rng.integers(0, len(_CROPS), (_FIELDS, _FIELDS)))
+        return cls(relief, road_corners, islands, rng.integers(0, len(_CROPS), (_FIELDS, _FIELDS)))
 
     @property
     def _ground(self) -> Ground:
@@ -114,8 +114,8 @@ class Land:
 
     def mesh(self) -> Mesh:
         """Return the ground with its kerbs."""
-        open_, spanned = self._split_at_structures(self._corners())
-        land, border = self._beside_asphalt(open_)
+        in_open, spanned = self._split_at_structures(self._corners())
+        land, border = self._beside_asphalt(in_open)
         pieces = []
         if self._ground.has_kerb:
             pieces.append(_kerb_sides(border))
@@ -127,48 +127,48 @@ class Land:
 
     def _corners(self) -> Array:
         """Return the squares as triangles with all columns that cutting needs."""
-        net = Squares.around(self._ground, self.meeting, WIDE_M)
+        net = Squares.around(self._ground, self.road_corners, WIDE_M)
         points, order, held = net.triangles()
         x, y = points[:, 0], points[:, 1]
-        near, heights = self._ground.near(x, y), self.relief.heights(x, y)
-        paved = near.paved
-        if self._ground.has_kerb and len(self.meeting):
+        near = self._ground.near(x, y)
+        z, paved = self.relief.heights(x, y).beside, near.paved
+        if self._ground.has_kerb and len(self.road_corners):
             at_corner = np.minimum(paved, near.asphalt - _CORNER_PAVED_M)
             paved = np.where(self._is_corner(points), at_corner, paved)
         zero = np.zeros(len(points))
-        columns = [x, y, heights.beside, near.asphalt, paved, zero, zero, near.s, heights.across]
+        columns = [x, y, z, near.asphalt, paved, zero, zero, near.s]
         corners = np.stack(columns, axis=1)[order]
         corners[:, :, _U : _V + 1] = net.local(points[order], held)
         return corners
 
     def _is_corner(self, points: Array) -> Mask:
-        """Return which points are close enough to a junction to be paved all over."""
-        square = (points[:, :1] - self.meeting[None, :, 0]) ** 2
-        square += (points[:, 1:] - self.meeting[None, :, 1]) ** 2
+        """Return which points are close enough to a tight bend or junction to be paved all over."""
+        square = (points[:, :1] - self.road_corners[None, :, 0]) ** 2
+        square += (points[:, 1:] - self.road_corners[None, :, 1]) ** 2
         return np.asarray(square.min(axis=1) < _CORNER_M * _CORNER_M)
 
     def _split_at_structures(self, corners: Array) -> tuple[Array, Array]:
-        """Split the ground at tunnels and bridges: the part in the open, and the part above or below.
+        """Split the ground at tunnels and bridges: the part in the open, and the one that a structure spans.
 
         Heights are recomputed along the cuts because they cannot be interpolated there from the corners of
         the squares.
         """
-        open_, spanned = corners, [corners[:0]]
+        in_open, parts = corners, [corners[:0]]
         for structure in self._ground.corridor.structures:
             split = _below_bridge if structure.kind == "bridge" else _above_tunnel
-            open_, within = split(open_, structure)
-            spanned += within
-        across = np.concatenate(spanned)
-        if len(across):
-            open_[:, :, _Z] = self.relief.heights(*_flat_places(open_)).beside.reshape(-1, 3)
-            across[:, :, _Z] = self.relief.heights(*_flat_places(across)).across.reshape(-1, 3)
-            across[:, :, _ASPHALT] = np.maximum(across[:, :, _ASPHALT], _ROOFED_M)
-            across[:, :, _PAVED] = across[:, :, _ASPHALT]
-        return open_, across
+            in_open, within = split(in_open, structure)
+            parts += within
+        spanned = np.concatenate(parts)
+        if len(spanned):
+            in_open[:, :, _Z] = self.relief.heights(*_flat_places(in_open)).beside.reshape(-1, 3)
+            spanned[:, :, _Z] = self.relief.heights(*_flat_places(spanned)).across.reshape(-1, 3)
+            spanned[:, :, _ASPHALT] = np.maximum(spanned[:, :, _ASPHALT], _ROOFED_M)
+            spanned[:, :, _PAVED] = spanned[:, :, _ASPHALT]
+        return in_open, spanned
 
-    def _beside_asphalt(self, open_: Array) -> tuple[Array, Array]:
+    def _beside_asphalt(self, in_open: Array) -> tuple[Array, Array]:
         """Cut off what lies below asphalt; return the land, and the edges along the cut."""
-        _, land, border = cut(open_, _ASPHALT, 0.0, self._edge_of_asphalt)
+        _, land, border = cut(in_open, _ASPHALT, 0.0, self._edge_of_asphalt)
         is_edge = land[:, :, _ASPHALT] <= 0.0
         x, y = land[is_edge][:, _X], land[is_edge][:, _Y]
         land[is_edge, _PAVED] = np.minimum(self._ground.near(x, y).paved, 0.0) if len(x) else 0.0
@@ -194,10 +194,10 @@ class Land:
         pieces = []
         for band in _BANDS[self.relief.theme]:
             within, land, _ = cut(land, _PAVED, band.reach)
-            if band.surface:
-                pieces.append(self._surfaced(within, band.surface))
-            else:
+            if band.surface is None:
                 pieces += self._fields(within)
+            else:
+                pieces.append(self._surfaced(within, band.surface))
         return pieces
 
     def _fields(self, corners: Array) -> list[_Piece]:
@@ -221,14 +221,14 @@ class Land:
 
 
 def _above_tunnel(land: Array, tunnel: Structure) -> tuple[Array, list[Array]]:
-    """Split land at the ends of a tunnel: the part in the open, and the part above it."""
+    """Split land at the ends of a tunnel: the part in the open, and the one above it."""
     before, rest, _ = cut(land, _S, tunnel.start)
     above, after, _ = cut(rest, _S, tunnel.end)
     return np.concatenate([before, after]), [above]
 
 
 def _below_bridge(land: Array, bridge: Structure) -> tuple[Array, list[Array]]:
-    """Split land at the ends of a bridge: the part in the open, and the part below it.
+    """Split land at the ends of a bridge: the part in the open, and the one below it.
 
     Near its ends, where the deck is close to the ground, there is none below the deck.
     """

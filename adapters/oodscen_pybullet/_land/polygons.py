@@ -7,42 +7,75 @@ import numpy as np
 from oodscen_pybullet._types import Array
 
 _STRAIGHT_M = 0.001
-"""Distance from the line between its neighbours up to which a corner is none, m."""
+"""Largest distance of a removed corner from the outline that is left, m."""
+_LEAST_M2 = 1e-12
+"""Least square of a length that divides, m^2."""
 
 
 def without_straight_corners(outline: Array) -> Array:
-    """Return the corners of a polygon, [n, 2], except those on the line between their neighbours."""
-    corners = outline.tolist()
-    index = 0
-    while index < len(corners) > 2:
-        (ax, ay), (x, y) = corners[index - 1], corners[index]
-        bx, by = corners[(index + 1) % len(corners)]
-        dx, dy = bx - ax, by - ay
-        if abs(dx * (y - ay) - dy * (x - ax)) > _STRAIGHT_M * math.sqrt(dx * dx + dy * dy):
-            index += 1
-        else:
-            del corners[index]
-    return np.array(corners)
+    """Return the corners of a polygon, [n, 2], except those within `_STRAIGHT_M` of the outline that is left.
+
+    This is Douglas and Peucker's algorithm, begun at the two corners that are farthest apart.
+    """
+    count = len(outline)
+    ring = np.concatenate([outline, outline])
+    first, second = _farthest_apart(outline)
+    kept = {first, second}
+    pending = [(first, second), (second, first + count)]
+    while pending:
+        start, end = pending.pop()
+        away = _distances(ring[start + 1 : end], ring[start], ring[end])
+        if len(away) and away.max() > _STRAIGHT_M:
+            corner = start + 1 + int(away.argmax())
+            kept.add(corner % count)
+            pending += [(start, corner), (corner, end)]
+    return outline[sorted(kept)]
 
 
 def is_convex(outline: Array) -> bool:
-    """Return whether a counter-clockwise polygon, [n, 2], turns to the left at every corner."""
+    """Return whether a polygon, [n, 2], turns to the left at every corner, and once round in all."""
     side = outline - np.roll(outline, 1, axis=0)
     onward = np.roll(side, -1, axis=0)
-    return bool((side[:, 0] * onward[:, 1] > side[:, 1] * onward[:, 0]).all())
+    turns_left = side[:, 0] * onward[:, 1] > side[:, 1] * onward[:, 0]
+    is_up = (side[:, 1] > 0.0) | ((side[:, 1] == 0.0) & (side[:, 0] > 0.0))
+    rounds = np.count_nonzero(is_up & ~np.roll(is_up, 1))
+    return bool(turns_left.all()) and rounds == 1
 
 
 def rectangle_around(outline: Array) -> Array:
-    """Return the corners, [4, 2], of the smallest rectangle around a polygon that is parallel to one of its sides."""
-    found, least = outline, math.inf
+    """Return the corners, [4, 2], of the smallest rectangle around a polygon that is parallel to one of its sides.
+
+    Around a single point all four are that point.
+    """
+    best, least_area = np.tile(outline[0], (4, 1)), math.inf
     for dx, dy in (np.roll(outline, -1, axis=0) - outline).tolist():
         length = math.sqrt(dx * dx + dy * dy)
+        if not length:
+            continue
         cos, sin = dx / length, dy / length
         along = outline[:, 0] * cos + outline[:, 1] * sin
         across = outline[:, 1] * cos - outline[:, 0] * sin
         u0, u1, v0, v1 = along.min(), along.max(), across.min(), across.max()
-        if (u1 - u0) * (v1 - v0) < least:
-            least = float((u1 - u0) * (v1 - v0))
+        if (u1 - u0) * (v1 - v0) < least_area:
+            least_area = float((u1 - u0) * (v1 - v0))
             corners = ((u0, v0), (u1, v0), (u1, v1), (u0, v1))
-            found = np.array([(u * cos - v * sin, u * sin + v * cos) for u, v in corners])
+            best = np.array([(u * cos - v * sin, u * sin + v * cos) for u, v in corners])
+    return best
+
+
+def _farthest_apart(points: Array) -> tuple[int, int]:
+    """Return the rows of the two points, [n, 2], that are farthest apart, the lower one first."""
+    found, farthest = (0, 0), 0.0
+    for row, point in enumerate(points):
+        square = ((points[row:] - point) ** 2).sum(axis=1)
+        if square.max() > farthest:
+            found, farthest = (row, row + int(square.argmax())), float(square.max())
     return found
+
+
+def _distances(points: Array, start: Array, end: Array) -> Array:
+    """Return the distances of points, [n, 2], from the segment between two points."""
+    side = end - start
+    share = ((points - start) * side).sum(axis=1) / max(float((side * side).sum()), _LEAST_M2)
+    nearest = start + np.clip(share, 0.0, 1.0)[:, None] * side
+    return np.asarray(np.sqrt(((points - nearest) ** 2).sum(axis=1)))

@@ -12,7 +12,7 @@ from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._types import Array
 
 _GAP_M = 2.0
-"""Smallest distance between two points where roads meet, m."""
+"""Smallest distance between two points at corners of roads, m."""
 
 
 class Terrain:
@@ -29,10 +29,10 @@ class Terrain:
         self.ground = ground
         self.theme: Theme = theme
         self._relief = Relief.drawn(ground, theme, rng)
-        self._meeting = _meeting_points(ground)
-        self.islands = Islands.of(ground, self._meeting)
+        self._corners = _road_corners(ground)
+        self.islands = Islands.of(ground, self._corners)
         """The land enclosed by roads."""
-        self._land = Land.drawn(self._relief, self._meeting, self.islands, rng)
+        self._land = Land.drawn(self._relief, self._corners, self.islands, rng)
         self._known: dict[tuple[float, float], float] = {}
 
     def height(self, x: float, y: float) -> float:
@@ -56,9 +56,9 @@ class Terrain:
 
     def is_corner(self, x: float, y: float, reach: float) -> bool:
         """Return whether a point lies within `reach`, m, of a junction or tight bend."""
-        if not len(self._meeting):
+        if not len(self._corners):
             return False
-        square = (self._meeting[:, 0] - x) ** 2 + (self._meeting[:, 1] - y) ** 2
+        square = (self._corners[:, 0] - x) ** 2 + (self._corners[:, 1] - y) ** 2
         return bool(square.min() < reach * reach)
 
     def mesh(self) -> Mesh:
@@ -71,7 +71,7 @@ class Terrain:
         return np.where(heights.is_above, heights.across, heights.beside) + self._relief.lift
 
 
-def _meeting_points(ground: Ground) -> Array:
+def _road_corners(ground: Ground) -> Array:
     """Return points along tight bends and paths through junctions, [n, 2]."""
     found = []
     for way in ground.ways:

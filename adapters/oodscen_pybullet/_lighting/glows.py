@@ -38,15 +38,15 @@ _HALO_BY_DAY = 2.6
 _HALO_IN_DARK = 2.5
 """Added to the radius of a halo in the dark."""
 _HALO_IN_FOG, _FOG_BY_DAY = 3.0, 0.3
-"""Added to the radius of a halo by fog in the dark, and the share of it that fog adds by day."""
+"""Added to the radius of a halo by dense fog: the first, times the sum of the darkness and the second."""
 _CORE_LIGHT, _HALO_LIGHT = 235.0, 95.0
 """Light at the centres of a core and a halo, 0 to 255."""
 _CORE_WHITE = 0.5
-"""Share of white in the core of a lamp that is no signal."""
+"""Share of white in the core of a lamp that has no light-emitting diodes."""
 _BEAM_GAIN = 1.4
 """Gain by which a lamp seen somewhat from the side still shines fully."""
-_SIGNAL = 0.5
-"""Share of a lamp's glow by day above which it is a signal."""
+_LED = 0.5
+"""Share of a lamp's glow by day above which it has light-emitting diodes, as signals do: its core is coloured."""
 _SUN_M = 1_000.0
 """Distance of the point that stands for the sun, m."""
 _SKY_M = 399.0
@@ -54,7 +54,7 @@ _SKY_M = 399.0
 _SCATTERED = 0.55
 """Share of the veil around a hidden sun that is left, since the air scatters it."""
 _EPSILON = np.float32(1e-6)
-"""Added to the square of a radius, which may be 0."""
+"""Added to the square of a spot's reach, px^2: no reach is 0, but without it some bytes of pictures would differ."""
 
 
 class _PixelPlace(NamedTuple):
@@ -144,9 +144,9 @@ def _place(view: CameraView, lamp: Lamp) -> _PixelPlace | None:
         return None
     place = _PixelPlace(*found)
     reach = view.width * _BESIDE
-    is_beside = -reach < place.column < view.width + reach
-    is_near = is_beside and -reach < place.row < view.height + reach and place.depth <= _FARTHEST_M
-    return place if is_near else None
+    in_columns = -reach < place.column < view.width + reach
+    in_rows = -reach < place.row < view.height + reach
+    return place if in_columns and in_rows and place.depth <= _FARTHEST_M else None
 
 
 def _share_of_glow(lamp: Lamp, light: Light) -> float:
@@ -183,8 +183,8 @@ def _visible(depth: F32, place: _PixelPlace) -> float:
 
 
 def _core(lamp: Lamp) -> Point:
-    """Return the colour of a lamp's core: nearly white, or the colour of a signal, which is made for the day."""
-    if lamp.by_day > _SIGNAL:
+    """Return the colour of a lamp's core: nearly white, or the colour of light-emitting diodes."""
+    if lamp.by_day > _LED:
         return lamp.colour
     red, green, blue = lamp.colour
     own = 1.0 - _CORE_WHITE

@@ -1,11 +1,13 @@
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from oodscen_highway import HighwaySimulator
-from oodscen_highway._catalogue import load_catalogue
+from oodscen_highway._catalogue import _DRIVEN, load_catalogue
 
 from oodscen import make_catalogue
 from oodscen.data import Actor, Behaviour, Placement
+from oodscen.driving._roads.building import load_corridor
 from oodscen.protocols import Control
 from oodscen.testing import simulator_checks
 from oodscen.testing._kit.samples import sample_scene
@@ -15,6 +17,14 @@ from tests.needs import needs
 pytestmark = needs("highway_env")
 
 CATALOGUE = load_catalogue()
+
+
+def test_its_six_roads_are_nearly_level_and_all_its_behaviours_exist() -> None:
+    assert len(CATALOGUE.maps) == 6
+    for road in CATALOGUE.maps:
+        corridor = load_corridor(road)
+        assert np.abs(np.diff(corridor.z) / np.diff(corridor.s)).max() < 0.01
+    assert {kind.id for kind in CATALOGUE.behaviours} == _DRIVEN
 
 
 @pytest.mark.parametrize("check", simulator_checks(HighwaySimulator, quick=True), ids=str)

@@ -135,6 +135,12 @@ def test_areas_that_are_not_convex_are_painted_as_the_rectangle_around_them():
     assert area_of(painted(ARROW, "stop_line")) == pytest.approx(28.0)
 
 
+def test_an_outline_with_a_spike_is_painted_as_the_rectangle_around_it():
+    spiked = [*CROSSWALK, CROSSWALK[0], (CROSSWALK[0][0], CROSSWALK[0][1] - 1.0)]
+    alone, around = painted(CROSSWALK), painted(spiked)
+    assert area_of(around) > area_of(alone)
+
+
 def test_a_convex_stop_line_is_painted_as_it_is():
     slanted = [(100.0, 0.0), (100.5, 0.0), (101.0, 2.0), (100.7, 3.5), (100.2, 3.5)]
     triangles = painted(slanted, "stop_line")

@@ -48,11 +48,72 @@ def test_repeated_corners_are_one(repeats):
     assert sorted(found.tolist()) == sorted(square.tolist())
 
 
-def test_an_arc_keeps_its_shape():
-    angles = np.linspace(0.0, math.pi, 200)
-    arc = np.stack([5.0 * np.cos(angles), 5.0 * np.sin(angles)], axis=1)
-    kept = without_straight_corners(arc)
-    assert 10 < len(kept) < 200
-    x, y = kept.T
-    area = abs(float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())) / 2.0
-    assert area == pytest.approx(12.5 * math.pi, rel=0.01)
+def distances(points: np.ndarray, outline: np.ndarray) -> np.ndarray:
+    """Return how far points, [n, 2], lie from an outline."""
+    start, side = outline[None], (np.roll(outline, -1, axis=0) - outline)[None]
+    away = points[:, None] - start
+    share = (away * side).sum(axis=2) / np.maximum((side**2).sum(axis=2), 1e-30)
+    nearest = np.clip(share, 0.0, 1.0)[:, :, None] * side
+    return np.sqrt(((away - nearest) ** 2).sum(axis=2)).min(axis=1)
+
+
+def is_subset(corners: np.ndarray, outline: np.ndarray) -> bool:
+    """Tell whether corners stand in an outline, in the same order."""
+    rest = iter(outline.tolist())
+    return all(corner in rest for corner in corners.tolist())
+
+
+def assert_simplified(outline: np.ndarray) -> np.ndarray:
+    kept = without_straight_corners(outline)
+    assert is_subset(kept, outline)
+    assert distances(outline, kept).max() <= 0.001 + 1e-9
+    assert np.array_equal(without_straight_corners(kept), kept)
+    assert len(kept) == 1 or (kept != np.roll(kept, 1, axis=0)).any(axis=1).all()
+    return kept
+
+
+COORDINATE = st.one_of(st.floats(-5.0, 5.0), st.integers(-2, 2), st.floats(0.0, 0.003))
+
+
+@given(st.lists(st.tuples(COORDINATE, COORDINATE), min_size=1, max_size=12))
+def test_an_outline_without_its_straight_corners_is_the_same_outline(corners):
+    assert_simplified(np.array(corners, float))
+
+
+@pytest.mark.parametrize("position", range(5))
+@pytest.mark.parametrize("tip", [(-1, -1), (2, 0), (1e-4, 0), (9, 9)])
+def test_an_outline_with_a_spike_has_no_repeated_corner(position, tip):
+    square = [(0, 0), (4, 0), (4, 3), (0, 3)]
+    base = square[position - 1]
+    corners = [*square[:position], base, (base[0] + tip[0], base[1] + tip[1]), base]
+    kept = assert_simplified(np.array(corners + square[position:], float))
+    around = rectangle_around(kept)
+    assert np.isfinite(around).all()
+    assert is_convex(around)
+
+
+@pytest.mark.parametrize("spacing", [0.001, 0.005, 0.02, 0.08])
+def test_an_arc_keeps_its_shape(spacing):
+    angles = np.arange(0.0, math.pi, spacing)
+    arc = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    assert 30 < len(assert_simplified(arc)) < 75
+
+
+@given(st.integers(0, 8), ANGLES)
+def test_corners_on_the_sides_of_a_square_are_none(first, angle):
+    corners = [(0, 0), (1, 0), (2, 0), (2, 1), (2, 2), (1.5, 2), (1, 2), (0, 2), (0, 1)]
+    kept = assert_simplified(np.roll(turned(corners, angle), first, axis=0))
+    square = turned([(0, 0), (2, 0), (2, 2), (0, 2)], angle)
+    assert sorted(kept.tolist()) == sorted(square.tolist())
+
+
+@given(st.integers(1, 5), st.integers(1, 8), ANGLES)
+def test_only_a_star_that_goes_round_once_is_convex(rounds, more, angle):
+    count = 2 * rounds + more
+    angles = [angle + rounds * math.tau * index / count for index in range(count)]
+    star = np.array([(3.0 * math.cos(one), math.sin(one)) for one in angles])
+    assert is_convex(star) == (rounds == 1)
+
+
+def test_the_rectangle_around_a_point_is_that_point():
+    assert (rectangle_around(np.array([(2.0, 3.0)] * 3)) == (2.0, 3.0)).all()
