@@ -16,6 +16,7 @@ import pytest
 from oodscen._processes import Processes, children, ending_children
 from oodscen._registry import make_simulator
 from oodscen.errors import RunStopped, UnknownComponent, UsageError
+from tests.forks import ended_fork
 
 PATIENCE_S = 60.0
 
@@ -132,17 +133,6 @@ def test_an_interruption_that_a_callback_drops_comes_again(begun, tmp_path, capf
         raise KeyboardInterrupt
     assert left.exists()
     assert capfd.readouterr().err == ""
-
-
-def ended_fork():
-    """Return the exit code of a fork of this process that is told to end."""
-    child = os.fork()
-    if not child:
-        try:
-            signal.raise_signal(signal.SIGTERM)
-        finally:
-            os._exit(0)
-    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 
 
 def test_a_fork_of_a_worker_ends_at_a_signal(pool):

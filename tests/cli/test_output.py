@@ -17,6 +17,7 @@ from oodscen._cli import _interruptible, main
 from oodscen._cli.output import read_lines, write
 from oodscen.data._scenario import Scenario
 from oodscen.errors import DataError, FolderTaken, OodscenError
+from tests.forks import ended_fork
 
 
 def test_a_file_is_replaced_where_a_link_leads_and_keeps_its_mode(tmp_path):
@@ -205,13 +206,7 @@ def test_no_two_outputs_are_one_file(named, tmp_path):
 
 def test_a_fork_of_the_command_ends_at_a_signal_without_a_word(capfd):
     with _interruptible():
-        child = os.fork()
-        if not child:
-            try:
-                signal.raise_signal(signal.SIGTERM)
-            finally:
-                os._exit(0)
-        assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGTERM
+        assert ended_fork() == -signal.SIGTERM
     assert capfd.readouterr().err == ""
 
 
