@@ -106,10 +106,13 @@ def test_a_failure_is_not_recorded(file):
     assert not file.exists()
 
 
+def separated(asked):
+    """Answer with separators that end no line of a recording."""
+    return by_sample(asked).model_copy(update={"text": "a\u2028b\x85c"})
+
+
 LINES = tuple(
-    Exchange.of(request(sample=n), by_sample(request(sample=n)), "m\u2028\x85", 0.5)
-    .to_json()
-    .encode()
+    Exchange.of(request(sample=n), separated(request(sample=n)), "m", 0.5).to_json().encode()
     + b"\n"
     for n in range(3)
 )
@@ -132,7 +135,7 @@ def test_a_recording_that_is_cut_anywhere_keeps_its_whole_lines(tmp_path_factory
     ends = [sum(map(len, LINES[: n + 1])) - 1 for n in range(3)]
     whole = sum(cut >= end for end in ends)
     assert len(untouched(file, lambda: Recording(file))) == whole
-    llm = RecordingLLM(ScriptedLLM(by_sample, name="m\u2028\x85"), file)
+    llm = RecordingLLM(ScriptedLLM(separated, name="m"), file)
     assert [llm.complete(request(sample=n)).requests for n in range(3)] == [
         0 if n < whole else 2 for n in range(3)
     ]
