@@ -24,14 +24,7 @@ from oodscen.data._episode import ACTIONS, MOMENTS, REACTIONS_S, Episode
 from oodscen.data._pairing import demand_id, scene_of, twin_id
 from oodscen.data._scene import Scene
 from oodscen.driving._trace_table import to_parquet
-from oodscen.errors import (
-    MissingExtra,
-    OodscenError,
-    RunStopped,
-    SimulatorCrash,
-    SimulatorError,
-    UsageError,
-)
+from oodscen.errors import MissingExtra, OodscenError, RunStopped, SimulatorCrash, UsageError
 from oodscen.protocols import Camera, Frame, Simulator
 from oodscen.stages._annotations import FrameAnnotations, annotate
 from oodscen.stages._decision_retiming import retime
@@ -215,15 +208,12 @@ def _run_pair(job: Job, simulator: Simulator, scene: Scene) -> list[SweepResult]
 def _demand(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) -> SweepResult:
     """Make and run the demand of a scene that was run."""
     name = demand_id(scene.id)
-
-    def drawn() -> SweepResult:
-        demand, run = draw_demand(scene, simulated, _rerunner(job, simulator))
-        if demand.id != name:
-            raise _changed(job)
-        return replace(_result(job, simulator, demand, run), demand=demand)
-
-    result = _guard(job, name, drawn)
-    return SweepResult(result) if isinstance(result, Episode) else result
+    found = _guard(job, name, lambda: draw_demand(scene, simulated, _rerunner(job, simulator)))
+    if isinstance(found, Episode):
+        return SweepResult(found)
+    demand, run = found
+    result = _guard(job, name, lambda: _result(job, simulator, demand, run))
+    return SweepResult(result) if isinstance(result, Episode) else replace(result, demand=demand)
 
 
 def _lost(job: Job, episode: Episode) -> list[SweepResult]:
@@ -265,17 +255,12 @@ def _guard(job: Job, name: str, work: Callable[[], Made]) -> Made | Episode:
         return failed_episode(job, name, SimulatorCrash(job.simulator, reason(error)))
 
 
-def _changed(job: Job) -> SimulatorError:
-    return SimulatorError(f"{job.simulator} changed the scene that it was given")
-
-
 def _run(job: Job, simulator: Simulator, scene: Scene) -> tuple[SweepResult, Simulated | None]:
     """Run one scene, and re-stage it if the job says so; `None` instead of a run that failed."""
-    given = scene.model_copy(deep=True)
 
     def run() -> tuple[SweepResult, Simulated]:
         simulated = simulate(
-            given,
+            scene,
             simulator,
             seed=job.seed,
             camera=job.camera.behind() if job.is_rear else job.camera,
@@ -286,13 +271,11 @@ def _run(job: Job, simulator: Simulator, scene: Scene) -> tuple[SweepResult, Sim
             horizon=job.horizon,
             moments=("last",) if job.is_rear else job.moments,
         )
-        restaging = Restaging(given, simulated)
-        if job.restages and not given.is_ordinary:
-            restaging = _improve(job, simulator, given, simulated)
+        restaging = Restaging(scene, simulated)
+        if job.restages and not scene.is_ordinary:
+            restaging = _improve(job, simulator, scene, simulated)
         result = _result(job, simulator, restaging.scene, restaging.simulated)
-        if given != scene:
-            raise _changed(job)
-        changed = restaging.scene if restaging.scene is not given else None
+        changed = restaging.scene if restaging.scene is not scene else None
         return replace(result, restaged=changed, tried=restaging.tried), restaging.simulated
 
     found = _guard(job, scene.id, run)

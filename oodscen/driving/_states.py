@@ -1,6 +1,8 @@
 """States and observations from outside: checked, and states copied into arrays that no later call changes."""
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import fields
 from numbers import Integral, Real
 from typing import Any, Self
@@ -38,6 +40,19 @@ def watched(simulator: Simulator) -> Simulator:
     gives them.
     """
     return simulator if isinstance(simulator, Watched) or _is_own(simulator) else Watched(simulator)
+
+
+@contextmanager
+def kept(scene: Scene, simulator: str) -> Iterator[Scene]:
+    """Give a copy of a scene that a simulator may be shown: the scene stays as it is.
+
+    Raises:
+        SimulatorError: If the copy was changed; what was run is then not the scene.
+    """
+    given = scene.model_copy(deep=True)
+    yield given
+    if given != scene:
+        raise SimulatorError(f"{simulator} changed the scene that it was given")
 
 
 def _is_own(simulator: Simulator) -> bool:

@@ -20,7 +20,7 @@ from oodscen.driving._exclusive import exclusive
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, ROUNDING_S, is_due
 from oodscen.driving._roads.building import load_corridor
-from oodscen.driving._states import watched
+from oodscen.driving._states import kept, watched
 from oodscen.errors import OodscenError, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Driver, Simulator, State, camera_for
 from oodscen.stages._birds_eye import SIZE, Image, birds_eye, opencv
@@ -144,8 +144,9 @@ def record(
         used_alone,
         reporting(progress) as report_progress,
         Video(path, fps=1.0 / (stride * simulator.dt)) as video,
+        kept(scene, simulator.name) as given,
     ):
-        state = simulator.reset(scene, seed)
+        state = simulator.reset(given, seed)
         while True:
             if not is_decided and (
                 state.time >= MAX_APPROACH_S or is_due(scene.decision, None, state, corridor)

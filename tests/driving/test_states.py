@@ -191,3 +191,24 @@ class Counted(FlatSimulator):
     def step(self, control):
         self.steps += 1
         return super().step(control)
+
+
+@pytest.mark.parametrize("method", ["reset", "step", "render"])
+def test_a_simulator_that_changes_its_scene_is_told_so_and_the_scene_stays(
+    tmp_path, monkeypatch, method
+) -> None:
+    unchanged = getattr(FlatSimulator, method)
+
+    def changing(simulator, *given):
+        found = unchanged(simulator, *given)
+        object.__setattr__(simulator.world.scene, "scenario_id", "another")
+        return found
+
+    monkeypatch.setattr(FlatSimulator, method, changing)
+    scene = example_scene()
+    with pytest.raises(SimulatorError, match="flat changed the scene"):
+        simulate(scene, FlatSimulator(), actions=())
+    with pytest.raises(SimulatorError, match="flat changed the scene"):
+        scene.record(FlatSimulator(), tmp_path / "video.mp4")
+    assert scene == SCENE
+    assert not (tmp_path / "video.mp4").exists()

@@ -179,6 +179,7 @@ def test_a_simulator_that_changes_its_scene_fails_there_alone(tmp_path, monkeypa
     (tmp_path / "changing_simulator.py").write_text(
         "from oodscen.testing._flat import FlatSimulator\n\n\n"
         "class Changing(FlatSimulator):\n"
+        "    name = 'Changing'\n\n"
         "    def reset(self, scene, seed):\n"
         "        state = super().reset(scene, seed)\n"
         "        if scene.id == 's-000':\n"
