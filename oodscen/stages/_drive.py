@@ -22,9 +22,9 @@ from oodscen.driving._exclusive import exclusive
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._roads.building import load_corridor
-from oodscen.driving._states import watched
+from oodscen.driving._states import kept, watched
 from oodscen.driving._trace import Course, Trace
-from oodscen.errors import OodscenError, UsageError
+from oodscen.errors import OodscenError, SimulatorError, UsageError
 from oodscen.protocols import (
     Camera,
     Driver,
@@ -168,6 +168,17 @@ class _Drives:
 
     def of(self, scene: Scene) -> list[DriveResult]:
         """Drive a scene and, if asked to, its twin."""
+        try:
+            with kept(scene, self.simulator.name) as given:
+                return self._both(given)
+        except SimulatorError as error:
+            return [failed_drive(one, self.name, error) for one in self._driven_ids(scene)]
+
+    def _driven_ids(self, scene: Scene) -> list[str]:
+        has_twin = self.twins and not scene.is_twin
+        return [scene.id, twin_id(scene.id)] if has_twin else [scene.id]
+
+    def _both(self, scene: Scene) -> list[DriveResult]:
         try:
             plan = DrivePlan(scene, self.simulator, self.seed)
         except OodscenError as error:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from oodscen._abilities import Rehearses, Snapshots
+from oodscen.data._pairing import twin_id
 from oodscen.driving._drivers.rule_based import RuleBasedDriver
 from oodscen.driving._states import check_observation, own_state, watched
 from oodscen.errors import SimulatorError
@@ -210,5 +211,10 @@ def test_a_simulator_that_changes_its_scene_is_told_so_and_the_scene_stays(
         simulate(scene, FlatSimulator(), actions=())
     with pytest.raises(SimulatorError, match="flat changed the scene"):
         scene.record(FlatSimulator(), tmp_path / "video.mp4")
+    results = drive([scene], RuleBasedDriver, FlatSimulator())
+    assert [(one.scene_id, one.status) for one in results] == [
+        (scene.id, "failed"),
+        (twin_id(scene.id), "failed"),
+    ] or method == "render"
     assert scene == SCENE
     assert not (tmp_path / "video.mp4").exists()

@@ -145,6 +145,15 @@ class ReusesFrames(Small):
         return kept
 
 
+class Rewrites(Small):
+    """Changes the scene that it is given."""
+
+    def reset(self, scene, seed):
+        state = super().reset(scene, seed)
+        object.__setattr__(scene.ego, "speed", 1.0)
+        return state
+
+
 class ForgetsSpeed(Small):
     def restore(self, snapshot):
         state = super().restore(snapshot)
@@ -384,6 +393,7 @@ class _Fixed(FlatSimulator):
         (WrongIds, "behaviours", ["ids are"]),
         (SlimBodies, "behaviours", ["the gap to", "between the boxes"]),
         (Remembers, "determinism", ["another result"]),
+        (Rewrites, "determinism", ["changed the scene"]),
         (Blank, "frames", ["blank"]),
         (FlippedIds, "frames", ["no pixel with id 2"]),
         (Refuses, "assets", ["cyclist", "no mesh"]),

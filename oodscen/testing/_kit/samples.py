@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 from oodscen.data._catalogue import Catalogue, RoadMap
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
+from oodscen.driving._states import kept
 from oodscen.protocols import Camera, Control, Frame, Observation, Simulator
 
 SMALL = Camera(width=160, height=120)
@@ -65,13 +66,18 @@ def follow_lane(observation: Observation) -> Control:
 def run_bytes(
     simulator: Simulator, scene: Scene, camera: Camera | None = SMALL, *, seed: int
 ) -> list[bytes]:
-    """Return the bytes of a run: all states, and with a camera the frames at its beginning and end."""
-    trace = [simulator.reset(scene, seed).fingerprint()]
-    trace += frame_bytes(simulator.render(camera)) if camera else []
-    for step in range(STEPS):
-        control = Control(0.5 if step < 20 else -3.0, 0.01 if step % 8 < 4 else -0.01)
-        trace.append(simulator.step(control).fingerprint())
-    return trace + (frame_bytes(simulator.render(camera)) if camera else [])
+    """Return the bytes of a run: all states, and with a camera the frames at its beginning and end.
+
+    Raises:
+        SimulatorError: If the simulator changes the scene.
+    """
+    with kept(scene, simulator.name) as given:
+        trace = [simulator.reset(given, seed).fingerprint()]
+        trace += frame_bytes(simulator.render(camera)) if camera else []
+        for step in range(STEPS):
+            control = Control(0.5 if step < 20 else -3.0, 0.01 if step % 8 < 4 else -0.01)
+            trace.append(simulator.step(control).fingerprint())
+        return trace + (frame_bytes(simulator.render(camera)) if camera else [])
 
 
 def frame_bytes(frame: Frame) -> list[bytes]:
