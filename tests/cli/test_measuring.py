@@ -6,6 +6,7 @@ import pytest
 from click.testing import CliRunner
 
 from oodscen._cli import main
+from oodscen.metrics._rarity.anchors import published_rates
 from oodscen.protocols import Completion, Request, Usage
 
 ENTRY = {"unit": "log10 km", "low": 4, "best": 5, "high": 6}
@@ -42,6 +43,18 @@ def test_the_model_that_was_asked_is_named_with_its_calls(tmp_path, model, calls
     assert all(part in rarity for part in words)
     assert result.stdout.splitlines()[-1].split() == ["calls", str(calls), "of", model.lower()]
     assert json.loads(CliRunner().invoke(main, [*order, "--json"]).stdout)["n"] == 2
+
+
+def test_rates_that_the_model_does_not_answer_are_told(tmp_path):
+    (tmp_path / "t.txt").write_text("A sofa lies on the road.\n")
+    order = ["score", str(tmp_path / "t.txt"), "--encoder", "hash", "--anchors", "published"]
+    order += ["--llm", f"{__name__}:Mute"]
+    said = CliRunner().invoke(main, order).stdout
+    rates = len(published_rates())
+    assert f"not calibrated, as none of {rates} published rates was answered" in said
+    rarity = json.loads(CliRunner().invoke(main, [*order, "--json"]).stdout)["rarity"]
+    assert rarity["unanswered_rates"] == rates
+    assert rarity["calibration"] is None
 
 
 def test_without_a_model_no_calls_are_told(tmp_path):

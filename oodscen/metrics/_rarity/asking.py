@@ -44,8 +44,8 @@ def ask_rarity(
     calls: list[Call] = []
     logged = LoggedLLM(llm, calls.append)
     per_text = _drawn(logged, texts, draws, per_call)
+    rates: list[PublishedRate] = []
     own: list[float] = []
-    rates = anchors
     if anchors is not None:
         wordings = [text for rate in anchors for text in rate.texts]
         rarities = iter(_drawn(logged, wordings, draws, per_call))
@@ -54,13 +54,14 @@ def ask_rarity(
         rates = [rate for rate, group in zip(anchors, known, strict=True) if group]
         own = [float(np.mean(group)) for group in known if group]
     costs = [call.cost_usd for call in calls if call.status == "ok"]
-    usage = {
+    update = {
+        "unanswered_rates": len(anchors or ()) - len(rates),
         "input_tokens": sum(call.input_tokens for call in calls),
         "output_tokens": sum(call.output_tokens for call in calls),
         "cost_usd": None if None in costs else sum(filter(None, costs)),
     }
     rarity = gather_rarity(per_text, speaker(llm), rates or None, own)
-    return rarity.model_copy(update=usage)
+    return rarity.model_copy(update=update)
 
 
 def questions(texts: Sequence[str], per_call: int = PER_CALL) -> list[EstimateRarity]:

@@ -98,6 +98,8 @@ class Rarity(Data):
     """Number of texts without a figure."""
     calibration: RateCalibration | None = None
     """The calibration that was applied to all figures, if any."""
+    unanswered_rates: int = Field(default=0, ge=0)
+    """Number of published rates left out of the calibration, since the model gave no estimate of them."""
     input_tokens: int = 0
     output_tokens: int = 0
     cost_usd: float | None = 0.0
@@ -117,6 +119,12 @@ class Rarity(Data):
             line += f"; unknown for {self.unknown} of {n}" if self.unknown else ""
         unanswered = sum("not answered" in rarity.flags for rarity in self.per_text)
         line += f"; not answered for {unanswered}" if unanswered else ""
+        if self.unanswered_rates and self.calibration is None:
+            line += (
+                f"; not calibrated, as none of {self.unanswered_rates} published rates was answered"
+            )
+        elif self.unanswered_rates:
+            line += f"; not answered for {self.unanswered_rates} published rates"
         if not self.input_tokens + self.output_tokens:
             return line
         cost = "price not known" if self.cost_usd is None else _money(self.cost_usd)
