@@ -21,7 +21,8 @@ import gymnasium
 
 import oodscen.gymnasium  # noqa: F401  # registers the environment
 from oodscen import Study, drive, make_simulator
-from oodscen._registry import DRIVERS, driver_maker
+from oodscen._entry_points import DRIVERS
+from oodscen._registry import driver_maker
 from oodscen.data._scene import Scene
 from oodscen.gymnasium._scenes import EXAMPLES
 from oodscen.judging import drive_board

@@ -122,7 +122,8 @@ def examine_knowledge(path: str | Path | None = None) -> list[CheckResult]:
         The counts, then one finding per fault with its file, line and hazard. Notes are findings that
         are not faults.
     """
-    from oodscen._registry import make_catalogue, names
+    from oodscen._entry_points import names
+    from oodscen._registry import make_catalogue
     from oodscen.author._knowledge.inspection import inspect_knowledge
 
     catalogues = {}

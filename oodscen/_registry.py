@@ -1,19 +1,22 @@
-"""Finds components by name: an entry point, `module:attr`, or an object passed through unchanged."""
+"""Makes components by name: a registered one, `module:attr`, or an object passed through unchanged."""
 
-import importlib.util
 import inspect
 import os
-import sys
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from functools import lru_cache, partial
-from importlib import metadata
-from importlib.metadata import EntryPoint, EntryPoints
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from oodscen._arguments import checked
+from oodscen._entry_points import (
+    is_reference,
+    load_factory,
+    names,
+    no_module,
+    reads_as_reference,
+    refuse_long,
+)
 from oodscen._members import as_catalogue, conforming, is_interruption, reason, using, working
 from oodscen._numbers import seed_number
 from oodscen.data._catalogue import Catalogue
@@ -25,106 +28,16 @@ from oodscen.protocols import LLM, Driver, Encoder, Simulator
 if TYPE_CHECKING:
     from oodscen.llm._remote.limits import Limits
 
-KINDS = {
-    "llm": "oodscen.llms",
-    "encoder": "oodscen.encoders",
-    "simulator": "oodscen.simulators",
-    "catalogue": "oodscen.catalogues",
-    "driver": "oodscen.drivers",
-}
-"""Entry-point group of each kind of component."""
-DRIVERS = {
-    "rule-based": "oodscen.driving._drivers.rule_based:RuleBasedDriver",
-    "r157": "oodscen.driving._drivers.r157:R157Driver",
-    "rss": "oodscen.driving._drivers.rss:RSSDriver",
-}
-"""The built-in reference drivers by name."""
-
 DEFAULT_SIMULATOR = "pybullet"
 DEFAULT_CATALOGUES = ("carla-0.9.16",)
 """Catalogues that a study checks in addition to its own simulator's."""
 DEFAULT_ENCODER = "minilm"
 DEFAULT_LLM = "builtin"
-_LONGEST = 4_096
-"""Maximum length of a name, in characters; a path can be this long."""
 
 
 def is_builtin(name: str) -> bool:
     """Return whether a model name means the built-in author, with or without the user's own knowledge."""
     return name.partition(":")[0] == DEFAULT_LLM
-
-
-def entry_points(group: str) -> EntryPoints:
-    """Return the entry points of a group; installed packages are read again when one was added or removed."""
-    places: list[tuple[str, int]] = []
-    for folder in sys.path:
-        with suppress(OSError, ValueError):
-            place = (folder, os.stat(folder or os.curdir).st_mtime_ns)
-            if _holds_packages(*place):
-                places.append(place)
-    return _installed(tuple(places)).select(group=group)
-
-
-@lru_cache(maxsize=256)
-def _holds_packages(place: str, changed: int) -> bool:
-    """Return whether a folder with this time of change lists installed packages; an archive may."""
-    if os.path.isfile(place):
-        return True
-    listed = (name.lower() for name in os.listdir(place or os.curdir))
-    return any(name.endswith(("dist-info", "egg-info")) for name in listed)
-
-
-@lru_cache(maxsize=1)
-def _installed(places: tuple[tuple[str, int], ...]) -> EntryPoints:
-    """Return all entry points of packages in folders with these times of change."""
-    return cast(EntryPoints, metadata.entry_points())  # mypy reads the signature of Python 3.10.
-
-
-def names(kind: str) -> dict[str, EntryPoint]:
-    """Return the registered entry points of a kind, by name; nothing is imported."""
-    found = {point.name: point for point in sorted(entry_points(group=KINDS[kind]))}
-    if kind == "driver":
-        found |= {name: EntryPoint(name, at, KINDS[kind]) for name, at in DRIVERS.items()}
-    return found
-
-
-def find(kind: str, name: str) -> Callable[..., Any]:
-    """Return the factory registered under a name, or the one that `module:attr` points to.
-
-    Raises:
-        UnknownComponent: With close matches.
-        UsageError: If the component exists but cannot be imported or called.
-    """
-    _refuse_long(kind, name)
-    registered = names(kind)
-    if name in registered:
-        point = registered[name]
-    elif _is_reference(name):
-        point = EntryPoint(name, name, KINDS[kind])
-    elif reads_as_reference(name):
-        raise _no_module(kind, name)
-    else:
-        raise UnknownComponent(kind, name, registered)
-    try:
-        factory = point.load()
-    except OodscenError:
-        raise
-    except BaseException as error:
-        if is_interruption(error):
-            raise
-        raise UsageError(
-            f"the {kind} {name!r} ({point.value}) cannot be imported: {reason(error)}"
-        ) from error
-    if not callable(factory):
-        raise UsageError(f"the {kind} {name!r} ({point.value}) is neither a class nor a function")
-    return cast(Callable[..., Any], factory)
-
-
-def _no_module(kind: str, name: str) -> UsageError:
-    module = name.partition(":")[0]
-    return UsageError(
-        f"the {kind} {name!r} cannot be imported: there is no module {module!r}; is its folder on PYTHONPATH?"
-    )
 
 
 def make_simulator(simulator: str | Simulator) -> Simulator:
@@ -135,11 +48,11 @@ def make_simulator(simulator: str | Simulator) -> Simulator:
     """
     if not isinstance(simulator, str):
         return cast(Simulator, conforming("simulator", simulator))
-    made = cast(Simulator, conforming("simulator", _made("simulator", simulator), simulator))
+    created = cast(Simulator, conforming("simulator", _create("simulator", simulator), simulator))
     with working("simulator", simulator):
-        catalogue = made.catalogue()
+        catalogue = created.catalogue()
     as_catalogue(catalogue, simulator)
-    return made
+    return created
 
 
 @checked
@@ -164,7 +77,7 @@ def make_catalogue(catalogue: str | Path | Catalogue) -> Catalogue:
         simulator = make_simulator(name)
         with working("simulator", name), using(simulator):
             return simulator.catalogue()
-    return as_catalogue(_made("catalogue", name), name)
+    return as_catalogue(_create("catalogue", name), name)
 
 
 @checked
@@ -185,14 +98,14 @@ def make_encoder(encoder: str | Encoder, *, cache: bool | str | Path = False) ->
     if isinstance(encoder, str):
         if encoder and encoder not in names("encoder") and _is_there(encoder, Path.is_dir):
             encoder = f"sentence-transformers:{encoder}"
-        made = cast(Encoder, conforming("encoder", _made("encoder", encoder), encoder))
+        plain = cast(Encoder, conforming("encoder", _create("encoder", encoder), encoder))
     else:
-        made = cast(Encoder, conforming("encoder", encoder))
+        plain = cast(Encoder, conforming("encoder", encoder))
     if cache is False:
-        return made
+        return plain
     from oodscen.encoders._cached import CachedEncoder  # Late, because locks load slowly.
 
-    return CachedEncoder(made, None if cache is True else cache)
+    return CachedEncoder(plain, None if cache is True else cache)
 
 
 @checked
@@ -222,12 +135,12 @@ def make_driver(driver: str | Driver, **settings: Any) -> Driver:
         _refuse_settings(driver, partial(action_driver, driver), settings)
         return action_driver(driver, **settings)
     try:
-        _refuse_settings(driver, find("driver", driver), settings)
+        _refuse_settings(driver, load_factory("driver", driver), settings)
     except UnknownComponent as error:
         if error.kind != "driver":
             raise
         raise UnknownComponent("driver", driver, [*error.known, *ACTIONS]) from None
-    return cast(Driver, conforming("driver", _made("driver", driver, **settings), driver))
+    return cast(Driver, conforming("driver", _create("driver", driver, **settings), driver))
 
 
 def driver_maker(name: str) -> Callable[[], Driver]:
@@ -274,47 +187,49 @@ def make_llm(
     """
     seed_number(seed)
     if isinstance(llm, str):
-        made = _named_llm(llm, seed, api_base, limits, settings)
+        model = _named_llm(llm, seed, api_base, limits, settings)
     elif settings:
         raise UsageError(f"a model that exists takes no settings: {', '.join(settings)}")
     else:
-        made = cast(LLM, conforming("llm", llm))
+        model = cast(LLM, conforming("llm", llm))
     if limits is not None and not (isinstance(llm, str) and is_builtin(llm)):
-        made = _capped(made, limits, llm if isinstance(llm, str) else "")
+        model = _capped(model, limits, llm if isinstance(llm, str) else "")
     if log is not None:
-        made = LoggedLLM(made, log)
+        model = LoggedLLM(model, log)
     if record is not None:
         from oodscen.llm._replay import RecordingLLM  # Late, because locks load slowly.
 
-        made = RecordingLLM(made, record)
-    return made
+        model = RecordingLLM(model, record)
+    return model
 
 
-def _capped(llm: LLM, limits: "Limits", called: str) -> LLM:
+def _capped(llm: LLM, limits: "Limits", label: str) -> LLM:
     """Return a model that keeps to the limits; a client that has them counts its HTTP requests itself."""
     from oodscen.judging._references import is_reference  # Late, because they load slowly.
     from oodscen.llm._capped import CappedLLM
     from oodscen.llm._replay import ReplayLLM
 
     is_free = is_reference(llm) or isinstance(llm, ReplayLLM)
-    return llm if is_free or hasattr(llm, "limits") else CappedLLM(llm, limits, called)
+    return llm if is_free or hasattr(llm, "limits") else CappedLLM(llm, limits, label)
 
 
 def _named_llm(
     llm: str, seed: int, api_base: str | None, limits: "Limits | None", settings: Mapping[str, Any]
 ) -> LLM:
-    _refuse_long("llm", llm)
+    refuse_long("llm", llm)
     if not llm.strip():
         raise UsageError("the name of a model is empty")
     if not llm.isprintable():
         raise UsageError(f"the name of a model holds a control character: {llm[:80]!r}")
     registered = names("llm")
     head = llm.partition(":")[0]
-    if head != "litellm" and (head in registered or _is_reference(llm)):
+    if head != "litellm" and (head in registered or is_reference(llm)):
         shared = {} if limits is None else {"limits": limits}
-        _refuse_settings(llm, find("llm", head if head in registered else llm), settings)
-        return cast(LLM, conforming("llm", _made("llm", llm, seed=seed, **shared, **settings), llm))
-    client = find("llm", "litellm")
+        _refuse_settings(llm, load_factory("llm", head if head in registered else llm), settings)
+        return cast(
+            LLM, conforming("llm", _create("llm", llm, seed=seed, **shared, **settings), llm)
+        )
+    client = load_factory("llm", "litellm")
     _refuse_settings(llm, client, settings)
     model = llm.removeprefix("litellm:")
     try:
@@ -324,20 +239,20 @@ def _named_llm(
         if close_matches(llm, registered):
             raise UnknownComponent("llm", llm, [*registered, *known]) from None
         if reads_as_reference(llm):
-            raise _no_module("llm", llm) from None
+            raise no_module("llm", llm) from None
         raise
 
 
-def _made(kind: str, name: str, **settings: Any) -> Any:
+def _create(kind: str, name: str, **settings: Any) -> Any:
     """Create a component from `name`, `name:argument` or `module:attr`, with the settings that it accepts.
 
     The text after the colon becomes the first argument, or the one that the factory's `argument` attribute names.
     """
     head, colon, argument = name.partition(":")
-    given = (argument,) if colon and head in names(kind) else ()
-    factory = find(kind, head if given else name)
-    if given and isinstance(parameter := getattr(factory, "argument", None), str):
-        given, settings = (), {**settings, parameter: argument}
+    arguments = (argument,) if colon and head in names(kind) else ()
+    factory = load_factory(kind, head if arguments else name)
+    if arguments and isinstance(parameter := getattr(factory, "argument", None), str):
+        arguments, settings = (), {**settings, parameter: argument}
     try:
         signature = inspect.signature(factory)
     except (TypeError, ValueError):
@@ -346,23 +261,23 @@ def _made(kind: str, name: str, **settings: Any) -> Any:
         takes_any = any(p.kind is p.VAR_KEYWORD for p in signature.parameters.values())
         settings = {k: v for k, v in settings.items() if takes_any or k in signature.parameters}
         try:
-            signature.bind(*given, **settings)
+            signature.bind(*arguments, **settings)
         except TypeError as error:
             hint = "it is called without arguments"
-            if given:
+            if arguments:
                 hint = "it takes no argument after the colon"
             elif name in names(kind):
                 hint = f"try {name}:ARGUMENT"
             raise UsageError(f"the {kind} {name!r} cannot be made: {error}; {hint}") from None
     try:
         with _same_folder():
-            return factory(*given, **settings)
+            return factory(*arguments, **settings)
     except OodscenError:
         raise
     except BaseException as error:
         if is_interruption(error):
             raise
-        is_refused = given and isinstance(error, TypeError | ValueError)
+        is_refused = arguments and isinstance(error, TypeError | ValueError)
         fault = f"{head!r} does not take {argument!r}" if is_refused else f"{name!r} cannot be made"
         raise UsageError(f"the {kind} {fault}: {reason(error)}") from error
 
@@ -393,53 +308,9 @@ def _refuse_settings(name: str, factory: Callable[..., Any], settings: Mapping[s
         raise UnknownComponent(f"setting of {name}", unknown[0], known)
 
 
-def _refuse_long(kind: str, name: str) -> None:
-    """Raise an error for an endless name, which would take long to compare with the known ones."""
-    if len(name) > _LONGEST:
-        raise UsageError(f"no {kind} has a name of {len(name):,} characters: {name[:40]!r} ...")
-
-
 def _is_there(name: str, kind: Callable[[Path], bool]) -> bool:
     """Return whether a path exists and is of the given kind; False for text that cannot be a path."""
     try:
         return kind(Path(name))
     except (OSError, ValueError):
         return False
-
-
-def reads_as_reference(name: str) -> bool:
-    """Return whether a name has the form `module:attr`."""
-    module, colon, attribute = name.partition(":")
-    return bool(colon) and all(part.isidentifier() for part in f"{module}.{attribute}".split("."))
-
-
-def _is_reference(name: str) -> bool:
-    """Return whether a name has the form `module:attr` and its module exists."""
-    if not reads_as_reference(name):
-        return False
-    module = name.partition(":")[0]
-    try:
-        return module in sys.modules or importlib.util.find_spec(module) is not None
-    except (ImportError, ValueError):
-        return False
-    except BaseException as error:
-        if is_interruption(error):
-            raise
-        return True  # The module exists, but a package around it fails: importing it will show how.
-
-
-def survey() -> list[dict[str, str]]:
-    """List every registered component and whether it loads; a broken one only causes a warning."""
-    rows = []
-    for kind in KINDS:
-        for name, point in names(kind).items():
-            try:
-                find(kind, name)
-                state = "ok"
-            except OodscenError as error:
-                state = str(error)
-                warnings.warn(
-                    f"the {kind} {name!r} is broken: {error}", RuntimeWarning, stacklevel=2
-                )
-            rows.append({"kind": kind, "name": name, "source": point.value, "state": state})
-    return rows

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from oodscen import Metrics, StudyConfig
-from oodscen import _registry as registry
+from oodscen import Metrics, StudyConfig, _entry_points
 from oodscen._cli import main
 from oodscen._members import working
 from oodscen._pipeline import Outputs, run_study
@@ -152,15 +151,15 @@ def module(monkeypatch):
         for name, factory in (FACTORIES | cases).items():
             setattr(module, f"{kind}_{name}", factory)
     monkeypatch.setitem(sys.modules, "faulty_plugins", module)
-    real = registry.entry_points
+    real = _entry_points.entry_points
 
     def with_plugins(*, group):
-        (kind,) = (kind for kind, name in registry.KINDS.items() if name == group)
+        (kind,) = (kind for kind, name in _entry_points.KINDS.items() if name == group)
         cases = FACTORIES | BY_KIND[kind]
         points = [EntryPoint(f"faulty-{n}", f"faulty_plugins:{kind}_{n}", group) for n in cases]
         return [*real(group=group), *points]
 
-    monkeypatch.setattr(registry, "entry_points", with_plugins)
+    monkeypatch.setattr(_entry_points, "entry_points", with_plugins)
     return module
 
 

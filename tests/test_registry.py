@@ -11,16 +11,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from oodscen import _entry_points
 from oodscen import _registry as registry
+from oodscen._entry_points import load_factory, names, survey
 from oodscen._registry import (
-    find,
     make_catalogue,
     make_driver,
     make_encoder,
     make_llm,
     make_simulator,
-    names,
-    survey,
 )
 from oodscen.data._episode import ACTIONS
 from oodscen.encoders._sentence_transformers import SentenceTransformerEncoder
@@ -61,7 +60,7 @@ def plugins(monkeypatch):
     module = types.ModuleType("toy_models")
     module.Plain, module.Seeded, module.number = Plain, Seeded, 3
     monkeypatch.setitem(sys.modules, "toy_models", module)
-    real = registry.entry_points
+    real = _entry_points.entry_points
 
     def with_plugins(*, group):
         extra = [
@@ -72,7 +71,7 @@ def plugins(monkeypatch):
         ]
         return [*real(group=group), *(extra if group == "oodscen.llms" else [])]
 
-    monkeypatch.setattr(registry, "entry_points", with_plugins)
+    monkeypatch.setattr(_entry_points, "entry_points", with_plugins)
 
 
 def test_the_shipped_components_are_registered():
@@ -152,7 +151,9 @@ def test_the_seed_reaches_a_model_that_takes_one(plugins):
 
 
 def test_a_reference_to_a_module_works_for_every_kind():
-    assert find("llm", "oodscen.judging._constant_answerers:RandomAnswerer") is RandomAnswerer
+    assert (
+        load_factory("llm", "oodscen.judging._constant_answerers:RandomAnswerer") is RandomAnswerer
+    )
     assert isinstance(make_encoder("oodscen.testing._encoder:HashEncoder"), HashEncoder)
     with pytest.raises(UsageError, match="Missing"):
         make_encoder("oodscen.testing:Missing")
@@ -255,7 +256,7 @@ def test_an_encoder_with_a_cache_encodes_a_text_once(tmp_path):
 
 def test_reference_drivers_have_names():
     assert {"rule-based", "r157", "rss"} <= set(names("driver"))
-    for name in registry.DRIVERS:
+    for name in _entry_points.DRIVERS:
         made = registry.driver_maker(name)
         assert made() is not made()
     with pytest.raises(UnknownComponent, match="rule-based"):

@@ -39,6 +39,6 @@ class ComponentName(click.types.StringParamType):
         self, ctx: click.Context, param: click.Parameter, incomplete: str
     ) -> list[CompletionItem]:
         """Return the installed names that start like this."""
-        from oodscen._registry import names
+        from oodscen._entry_points import names
 
         return [CompletionItem(name) for name in names(self.kind) if name.startswith(incomplete)]

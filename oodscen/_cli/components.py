@@ -15,7 +15,7 @@ from oodscen._cli.progress import bars
 @json_option
 def plugins(as_json: bool) -> None:
     """List the installed models, encoders and simulators."""
-    from oodscen._registry import survey
+    from oodscen._entry_points import survey
 
     rows = survey()
     if as_json:

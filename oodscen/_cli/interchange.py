@@ -309,7 +309,7 @@ def _check_files(files: Sequence[Path], catalogue: Catalogue, *, is_told: bool) 
 
 def _driver_name(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
     """Return the name of a driver that played, which is not that of one that drives here."""
-    from oodscen._registry import DRIVERS
+    from oodscen._entry_points import DRIVERS
 
     if value is None:
         return None

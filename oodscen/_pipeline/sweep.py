@@ -12,12 +12,13 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 
 from oodscen._arguments import instance_of
+from oodscen._entry_points import load_factory
 from oodscen._files import temporary_folder
 from oodscen._jpeg import to_jpeg
 from oodscen._members import close, is_interruption, reason
 from oodscen._processes import Processes, is_importable, is_script
 from oodscen._redaction import redact
-from oodscen._registry import find, make_simulator
+from oodscen._registry import make_simulator
 from oodscen._seeding import stream
 from oodscen.data._claim import Claim
 from oodscen.data._episode import ACTIONS, MOMENTS, REACTIONS_S, Episode
@@ -163,7 +164,7 @@ def check_workers(simulator: str, workers: int, executor: Executor | None) -> No
         )
     with Processes(1) as pool:
         if is_script(simulator):
-            pool.submit(find, "simulator", simulator).result()
+            pool.submit(load_factory, "simulator", simulator).result()
 
 
 def run_chunk(job: Job, scenes: Sequence[Scene]) -> list[SweepResult]:

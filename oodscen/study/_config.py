@@ -12,6 +12,7 @@ from pydantic import (
 )
 
 from oodscen import _paper as paper
+from oodscen._entry_points import names
 from oodscen._redaction import redact
 from oodscen._registry import (
     DEFAULT_CATALOGUES,
@@ -19,7 +20,6 @@ from oodscen._registry import (
     DEFAULT_LLM,
     DEFAULT_SIMULATOR,
     is_builtin,
-    names,
 )
 from oodscen._seeding import MAX_SEED
 from oodscen.data._base import Data, no_truth_value

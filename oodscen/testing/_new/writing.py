@@ -7,8 +7,8 @@ from importlib.resources import files
 from pathlib import Path
 from shutil import rmtree
 
+from oodscen._entry_points import names
 from oodscen._files import check_name, writing
-from oodscen._registry import names
 from oodscen.errors import UsageError
 
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,40}")
