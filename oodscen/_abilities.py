@@ -12,8 +12,6 @@ from oodscen.data._scene import Scene
 from oodscen.errors import Issue, SimulatorError
 from oodscen.protocols import Camera, State
 
-# ------------------------------------------------------------------ of simulators
-
 
 @runtime_checkable
 class Snapshots(Protocol):
@@ -91,9 +89,6 @@ def own_issues(simulator: ChecksScenes, scene: Scene) -> list[Issue]:
         name = getattr(simulator, "name", type(simulator).__name__)
         raise SimulatorError(f"{name}: check() returned {said(issues, 80)}, not a list of issues")
     return list(issues)
-
-
-# ------------------------------------------------------------------ of drivers
 
 
 @runtime_checkable

@@ -107,9 +107,6 @@ def _joined(start: str, parts: Iterable[str], end: str, count: int) -> str:
     return f"{start}{''.join(f'{part}, ' for part in inside)}… {count:,} in all{end}"
 
 
-# ------------------------------------------------------------------ notebooks
-
-
 def html_table(
     rows: Iterable[Sequence[object]], *, head: Sequence[str] = (), caption: str = ""
 ) -> str:

@@ -49,10 +49,10 @@ def _fields(cls: type) -> list[str]:
             continue
         if node.target.id.startswith("_") or "ClassVar" in ast.unparse(node.annotation):
             continue
-        said = ""
+        description = ""
         if isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant):
             text = after.value.value
-            said = f": {one_line(text)}" if isinstance(text, str) else ""
+            description = f": {one_line(text)}" if isinstance(text, str) else ""
         default = f" = {ast.unparse(node.value)}" if node.value is not None else ""
-        lines.append(f"{node.target.id} ({ast.unparse(node.annotation)}{default}){said}")
+        lines.append(f"{node.target.id} ({ast.unparse(node.annotation)}{default}){description}")
     return lines

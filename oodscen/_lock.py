@@ -65,7 +65,7 @@ def locked(path: Path, what: str, *, wait_s: float = _GRACE_S) -> Iterator[None]
         else:
             hold = None
     if hold is None:
-        hold = _Hold(me, _taken(file, path, what, wait_s))
+        hold = _Hold(me, _acquire(file, path, what, wait_s))
         _holds[file] = hold
     try:
         yield
@@ -89,7 +89,7 @@ def lock_file(path: Path) -> Path:
     return path / NAME if path.is_dir() else path.with_name(f".{path.name}{NAME}")
 
 
-def _taken(file: Path, path: Path, what: str, wait_s: float) -> int:
+def _acquire(file: Path, path: Path, what: str, wait_s: float) -> int:
     """Return the descriptor of the lock, whose file names this process."""
     if os.path.isfile(file) and os.path.getsize(file) and _read(file) == _UNKNOWN:
         raise StudyError(f"{file} is not a lock file of oodscen: move it away")
@@ -127,9 +127,9 @@ def _holder() -> dict[str, str | int]:
 def _read(file: Path) -> tuple[str, str]:
     """Return the holder of a lock and its start time, as far as the file records them."""
     try:
-        said = json.loads(read_bytes(file, limit=10_000))
-        holder = f"process {said['pid']} on {said['host']} ({said['command']})"
-        return holder, str(said["since"])
+        record = json.loads(read_bytes(file, limit=10_000))
+        holder = f"process {record['pid']} on {record['host']} ({record['command']})"
+        return holder, str(record["since"])
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return _UNKNOWN
 

@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 SHORTEST_DT, LONGEST_DT = 0.001, 0.1
 """Limits of a simulator's step, s. In a longer one, a body could pass through another unseen."""
 
-_MOST_SAID = 500
+_LONGEST_MESSAGE = 500
+"""Characters of a foreign message that are shown."""
 _ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
 """A place in memory, which differs from run to run."""
 _FROM_CALLER = "_oodscen_is_of_the_caller"
@@ -56,62 +57,64 @@ _PROMISES = {
 }
 
 
-def conforming(kind: str, made: Any, label: str = "") -> Any:
+def conforming(kind: str, component: Any, label: str = "") -> Any:
     """Return the component if it satisfies the protocol of its kind in `oodscen.protocols`.
 
     Members that may be costly to compute, such as an encoder's dimension, must exist but are not read.
 
     Args:
         kind: `llm`, `encoder`, `simulator` or `driver`.
-        made: The component.
+        component: The component.
         label: The name that the caller used; the component's class name by default.
 
     Raises:
         UsageError: Lists every member that is missing or has the wrong type.
         OodscenError: Any other kind, if reading the component's name raises it.
     """
-    called = f"the {kind} {label!r}" if label else f"this {kind}, {described(made)},"
-    if isinstance(made, type):
-        raise UsageError(f"{called} is the class {made.__name__}: pass an object of it")
-    faults = [f"has no {', '.join(missing)}"] if (missing := _missing(kind, made)) else []
+    subject = f"the {kind} {label!r}" if label else f"this {kind}, {described(component)},"
+    if isinstance(component, type):
+        raise UsageError(f"{subject} is the class {component.__name__}: pass an object of it")
+    faults = [f"has no {', '.join(missing)}"] if (missing := _missing(kind, component)) else []
     if not faults:
-        faults = [fault for name in ("name", "dt") if (fault := _fault(kind, made, name))]
+        faults = [fault for name in ("name", "dt") if (fault := _fault(kind, component, name))]
     if faults:
-        told = f" (it is {described(made)})" if label else ""
-        raise UsageError(f"{called} {' and '.join(faults)}{told}")
-    return made
+        actual = f" (it is {described(component)})" if label else ""
+        raise UsageError(f"{subject} {' and '.join(faults)}{actual}")
+    return component
 
 
-def _missing(kind: str, made: Any) -> list[str]:
+def _missing(kind: str, component: Any) -> list[str]:
     values, methods = _PROMISES[kind]
-    missing = [name for name in values if not _is_there(made, name)]
-    return missing + [f"{name}()" for name in methods if not callable(optional(made, name, None))]
+    missing = [name for name in values if not _is_there(component, name)]
+    return missing + [
+        f"{name}()" for name in methods if not callable(optional(component, name, None))
+    ]
 
 
-def _is_there(made: Any, name: str) -> bool:
+def _is_there(component: Any, name: str) -> bool:
     """Return whether the attribute exists. Properties are not read, since they may load a model."""
     absent = object()
-    if inspect.getattr_static(made, name, absent) is not absent:
+    if inspect.getattr_static(component, name, absent) is not absent:
         return True
-    return optional(made, name, absent) is not absent
+    return optional(component, name, absent) is not absent
 
 
-def optional(made: Any, name: str, absent: object) -> Any:
+def optional(component: Any, name: str, absent: object) -> Any:
     """Return an attribute that a component need not have, or `absent` if there is none or it cannot be read."""
     try:
-        return getattr(made, name, absent)
+        return getattr(component, name, absent)
     except BaseException as error:
         if is_interruption(error):
             raise
         return absent
 
 
-def _fault(kind: str, made: Any, name: str) -> str:
+def _fault(kind: str, component: Any, name: str) -> str:
     """Return the fault of a required member, or an empty string."""
     if name not in _PROMISES[kind].values:
         return ""
     try:
-        value = getattr(made, name)
+        value = getattr(component, name)
     except OodscenError:
         raise
     except BaseException as error:
@@ -130,15 +133,15 @@ def _fault(kind: str, made: Any, name: str) -> str:
     )
 
 
-def as_catalogue(made: object, name: str) -> Catalogue:
+def as_catalogue(catalogue: object, name: str) -> Catalogue:
     """Return the catalogue that a simulator of this name told.
 
     Raises:
         UsageError: If it is something else.
     """
-    if not isinstance(made, Catalogue):
-        raise UsageError(f"the catalogue of {name!r} is {described(made)}, not a Catalogue")
-    return made
+    if not isinstance(catalogue, Catalogue):
+        raise UsageError(f"the catalogue of {name!r} is {described(catalogue)}, not a Catalogue")
+    return catalogue
 
 
 def described(value: object) -> str:
@@ -220,8 +223,8 @@ def _broken(kind: str, label: str, error: BaseException) -> OodscenError:
     if kind == "llm":
         words, is_late = f"{label} failed: {reason(error)}", isinstance(error, TimeoutError)
         is_retryable = is_late or isinstance(error, ConnectionError)
-        made = LLMTimeout if is_late else LLMError
-        return made(words, model=label, retryable=is_retryable)
+        error_type = LLMTimeout if is_late else LLMError
+        return error_type(words, model=label, retryable=is_retryable)
     return UsageError(f"the {kind} {label!r} failed: {reason(error)}")
 
 
@@ -236,5 +239,5 @@ def message(error: BaseException) -> str:
 def reason(error: BaseException) -> str:
     """Return the type and message of a foreign exception on one line."""
     # Redact before truncating: a truncated key would no longer be recognised.
-    said = one_line(printable(message(error)))[:_MOST_SAID]
-    return f"{type(error).__name__}: {said}" if said else type(error).__name__
+    words = one_line(printable(message(error)))[:_LONGEST_MESSAGE]
+    return f"{type(error).__name__}: {words}" if words else type(error).__name__

@@ -174,25 +174,25 @@ def _any_of(values: frozenset[str]) -> re.Pattern[str]:
 def _escaped(value: str) -> str:
     """Return a pattern of a value of which any characters may be escaped, each in its own way."""
     pattern = ""
-    for one, run in groupby(value):
+    for char, run in groupby(value):
         count = len(list(run))
         # Every level of JSON doubles a backslash.
-        most = 4 * count if one == "\\" else count
-        pattern += f"(?:(?:{_character(one)}){_SOFT_BREAK}){{{count},{most}}}"
+        most = 4 * count if char == "\\" else count
+        pattern += f"(?:(?:{_character(char)}){_SOFT_BREAK}){{{count},{most}}}"
     return pattern
 
 
 @lru_cache(maxsize=1024)
-def _character(one: str) -> str:
+def _character(char: str) -> str:
     r"""Return a pattern of a character as it is, or escaped for code, JSON, HTML, an address or a mail.
 
     Escaping twice is covered as well: `\\u005a`, `%255A`, `&amp;#90;`, `=3D5A`.
     """
-    code = ord(one)
-    units = one.encode("utf-16-be", "surrogatepass")
+    code = ord(char)
+    units = char.encode("utf-16-be", "surrogatepass")
     pairs = zip(units[::2], units[1::2], strict=True)
-    data = one.encode("utf-8", "replace")
-    names = "|".join(map(re.escape, _entities().get(one, ())))
+    data = char.encode("utf-8", "replace")
+    names = "|".join(map(re.escape, _entities().get(char, ())))
     bytewise = "".join(rf"{_SLASHES}(?:x(?i:{byte:02x})|0?{byte:03o})" for byte in data)
     latin = rf"{_SLASHES}(?:x(?i:{code:02x})|0{{0,3}}{code:o}|o\{{0{{0,8}}{code:o}\}})"
     # No text may match two of these: the search for a long value would take exponential time.
@@ -205,9 +205,11 @@ def _character(one: str) -> str:
         rf"&(?:amp;){{0,8}}(?:{names});?" if names else "",
         bytewise if code > 127 else "",
         latin if code < 256 else "",
-        rf"{_SLASHES}{re.escape(_SHORT.get(one, one))}" if one in _SHORT or one in "\"'/" else "",
-        r"[+_]" if one == " " else "",
-        re.escape(one),
+        rf"{_SLASHES}{re.escape(_SHORT.get(char, char))}"
+        if char in _SHORT or char in "\"'/"
+        else "",
+        r"[+_]" if char == " " else "",
+        re.escape(char),
     ]
     return "|".join(filter(None, forms))
 
@@ -215,11 +217,11 @@ def _character(one: str) -> str:
 @cache
 def _entities() -> dict[str, list[str]]:
     """Return the names of HTML's entities by the character that they stand for."""
-    found: dict[str, list[str]] = {}
-    for name, one in html5.items():
-        if len(one) == 1 and name.endswith(";"):
-            found.setdefault("-" if one in _DASHES else one, []).append(name[:-1])
-    return found
+    names: dict[str, list[str]] = {}
+    for name, char in html5.items():
+        if len(char) == 1 and name.endswith(";"):
+            names.setdefault("-" if char in _DASHES else char, []).append(name[:-1])
+    return names
 
 
 def _base64(value: str) -> set[str]:
@@ -261,5 +263,5 @@ def _digits(value: str) -> set[str]:
     }
 
 
-def _hidden(found: re.Match[str]) -> str:
-    return f"{found['query'] or found['header'] or ''}{HIDDEN}"
+def _hidden(match: re.Match[str]) -> str:
+    return f"{match['query'] or match['header'] or ''}{HIDDEN}"
