@@ -5,8 +5,8 @@ left, headings counter-clockwise (ISO 8855). Speeds are in m/s. Validation sorts
 JSON: nothing may depend on the order of keys.
 """
 
-from collections.abc import Iterator
-from typing import ClassVar, Literal, Self, TypeGuard, get_args
+from collections.abc import Iterator, Mapping
+from typing import Any, ClassVar, Literal, Self, TypeGuard, get_args
 
 from pydantic import Field, ValidationError, field_validator, model_validator
 
@@ -277,10 +277,15 @@ class Scene(LeanData, SceneUses):
     def misfits(self) -> list[Issue]:
         """Return the values that no scene can have: `model_copy` changes values without checking them."""
         try:
-            type(self).model_validate(vars(self))
+            valid = type(self).model_validate(_plain(self))
         except ValidationError as error:
             return issues_of(error)
-        return []
+        return [
+            Issue(name, f"must be {value!r:.80}, not {held!r:.80}")
+            for name in type(self).model_fields
+            if (held := vars(self)[name]) != (value := vars(valid)[name])
+            and not (isinstance(held, list) and tuple(held) == value)
+        ]
 
     def twin(self, decision_s: float) -> "Scene":
         """Return the same scene with its hazard replaced by the ordinary counterpart.
@@ -310,6 +315,15 @@ class Scene(LeanData, SceneUses):
                 "map_state": None,
             }
         )
+
+
+def _plain(value: object) -> Any:
+    """Return a value without classes of this library, so that all in it is checked again; nothing is converted."""
+    if isinstance(value, Data):
+        return {name: _plain(vars(value)[name]) for name in type(value).model_fields}
+    if isinstance(value, Mapping):
+        return {key: _plain(item) for key, item in value.items()}
+    return [_plain(item) for item in value] if isinstance(value, list | tuple) else value
 
 
 def _misfits(scene: Scene) -> list[Issue]:

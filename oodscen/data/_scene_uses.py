@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from oodscen._study_files import refuse_own
 from oodscen.data._claim import Claim
-from oodscen.errors import Issue
+from oodscen.errors import Issue, SceneError
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -47,7 +47,7 @@ class SceneUses:
         """
         from oodscen.driving._sight.placement import check_scene
 
-        scene = _scene(self)
+        scene = cast("Scene", self)
         return scene.misfits() or check_scene(scene, catalogue)
 
     def check_claims(
@@ -82,7 +82,7 @@ class SceneUses:
         if encoder is not None:
             conforming("encoder", encoder)
         likeness = likeness_of(encoder, catalogue)
-        return check_claims(claims, _scene(self), catalogue, trace, likeness=likeness)
+        return check_claims(claims, fitting(self), catalogue, trace, likeness=likeness)
 
     def vary(
         self,
@@ -105,7 +105,7 @@ class SceneUses:
         """
         from oodscen.interchange._ranges import vary
 
-        return vary(_scene(self), catalogue, count, claims=claims, seed=seed)
+        return vary(fitting(self), catalogue, count, claims=claims, seed=seed)
 
     def to_openscenario(
         self,
@@ -152,7 +152,7 @@ class SceneUses:
         from oodscen.interchange._writing.scenario import to_openscenario
 
         return to_openscenario(
-            _scene(self),
+            fitting(self),
             catalogue,
             mode=mode,
             target=target,
@@ -210,7 +210,7 @@ class SceneUses:
         instance_of("path", path, str, Path)
         refuse_own(Path(path))
         return record(
-            _scene(self),
+            fitting(self),
             simulator,
             path,
             driver=driver,
@@ -244,7 +244,7 @@ class SceneUses:
         """
         from oodscen.stages._birds_eye import birds_eye
 
-        return birds_eye(state, _scene(self), catalogue, size=size, span_m=span_m)
+        return birds_eye(state, fitting(self), catalogue, size=size, span_m=span_m)
 
     def annotate(
         self,
@@ -266,13 +266,13 @@ class SceneUses:
         """
         from oodscen.stages._annotations import annotate
 
-        return annotate(frame, state, _scene(self), catalogue, camera)
+        return annotate(frame, state, fitting(self), catalogue, camera)
 
     def to_openlabel(self, catalogue: "Catalogue") -> dict[str, Any]:
         """Return the scene's tags as an ASAM OpenLABEL 1.0 document."""
         from oodscen.interchange._tags import openlabel
 
-        return openlabel(_scene(self), catalogue)
+        return openlabel(fitting(self), catalogue)
 
     def to_osi(
         self,
@@ -302,9 +302,16 @@ class SceneUses:
         """
         from oodscen.interchange._traces.osi_writing import osi_trace
 
-        return osi_trace(_scene(self), catalogue, action=action, seed=seed, container=container)
+        return osi_trace(fitting(self), catalogue, action=action, seed=seed, container=container)
 
 
-def _scene(one: SceneUses) -> "Scene":
-    """Return the scene, which alone has these methods."""
-    return cast("Scene", one)
+def fitting(scene: SceneUses) -> "Scene":
+    """Return a scene whose values are ones that a scene can have.
+
+    Raises:
+        SceneError: If they are not, since `model_copy` changed them without checking.
+    """
+    scene = cast("Scene", scene)  # It alone has these methods.
+    if issues := scene.misfits():
+        raise SceneError(scene.id, issues)
+    return scene

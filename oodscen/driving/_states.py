@@ -13,6 +13,7 @@ from oodscen._abilities import Rehearses, Snapshots
 from oodscen._members import as_catalogue
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
+from oodscen.data._scene_uses import fitting
 from oodscen.driving._base_simulator import BaseSimulator
 from oodscen.driving._dynamic_simulator import DynamicSimulator, RestorableSimulator
 from oodscen.driving._mirror_simulator import MirrorSimulator
@@ -47,9 +48,10 @@ def kept(scene: Scene, simulator: str) -> Iterator[Scene]:
     """Give a copy of a scene that a simulator may be shown: the scene stays as it is.
 
     Raises:
+        SceneError: If the scene has values that no scene can have.
         SimulatorError: If the copy was changed; what was run is then not the scene.
     """
-    given = scene.model_copy(deep=True)
+    given = fitting(scene).model_copy(deep=True)
     yield given
     if given != scene:
         raise SimulatorError(f"{simulator} changed the scene that it was given")

@@ -69,6 +69,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
 
     Raises:
         UsageError: If an argument makes no sense.
+        SceneError: If a scene has values that no scene can have.
         StudyMissing: If the folder holds no study.
     """
 
@@ -104,7 +105,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         found, self.simulator, known = chosen_scenes(study, scenes, simulator)
         self._watched = watched(self.simulator)
         self._seed = known if seed is None else seed_number(seed)
-        self._scenes = {scene.id: scene.model_copy(deep=True) for scene in found}
+        self._scenes = {scene.id: scene for scene in found}
         self.scene_ids: tuple[str, ...] = tuple(
             name
             for scene in found

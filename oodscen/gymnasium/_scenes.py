@@ -5,6 +5,7 @@ from pathlib import Path
 
 from oodscen._registry import make_simulator
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
+from oodscen.data._scene_uses import fitting
 from oodscen.errors import StudyMissing, UsageError
 from oodscen.protocols import Simulator
 from oodscen.study._study import Study
@@ -25,6 +26,7 @@ def chosen_scenes(
 
     Raises:
         UsageError: If both or no scenes are given, or two have the same id.
+        SceneError: If a scene has values that no scene can have.
         StudyMissing: If the folder holds no study.
     """
     if study is not None and scenes is not None:
@@ -39,6 +41,7 @@ def chosen_scenes(
         raise UsageError("an environment needs at least one scene")
     if len({scene.id for scene in found}) < len(found):
         raise UsageError("two scenes of an environment have the same id")
+    found = [fitting(scene).model_copy(deep=True) for scene in found]
     return found, make_simulator(name if simulator is None else simulator), seed
 
 

@@ -24,7 +24,7 @@ from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._states import kept, watched
 from oodscen.driving._trace import Course, Trace
-from oodscen.errors import OodscenError, SimulatorError, UsageError
+from oodscen.errors import OodscenError, SceneError, SimulatorError, UsageError
 from oodscen.protocols import (
     Camera,
     Driver,
@@ -90,13 +90,11 @@ def drive(
     make = driver_maker(driver) if isinstance(driver, str) else driver
     drives = _Drives(make, simulator, label, seed, twins, camera)
     with reporting(progress) as report_progress, exclusive(simulator):
-        results = [
+        return [
             result
             for scene in counted(scenes, "drive", len(scenes), report_progress)
             for result in drives.of(scene)
         ]
-    digests = {item: one.digest() for one in scenes for item in (one.id, twin_id(one.id))}
-    return [one.model_copy(update={"made_from": digests[one.scene_id]}) for one in results]
 
 
 def _distinct(scenes: Sequence[Scene], twins: bool) -> list[Scene]:
@@ -170,13 +168,18 @@ class _Drives:
         """Drive a scene and, if asked to, its twin."""
         try:
             with kept(scene, self.simulator.name) as given:
-                return self._both(given)
+                results = self._both(given)
+        except SceneError as error:  # What is no scene has no digest.
+            return self._failed(scene, error)
         except SimulatorError as error:
-            return [failed_drive(one, self.name, error) for one in self._driven_ids(scene)]
+            results = self._failed(scene, error)
+        digest = scene.digest()
+        return [result.model_copy(update={"made_from": digest}) for result in results]
 
-    def _driven_ids(self, scene: Scene) -> list[str]:
+    def _failed(self, scene: Scene, error: OodscenError) -> list[DriveResult]:
         has_twin = self.twins and not scene.is_twin
-        return [scene.id, twin_id(scene.id)] if has_twin else [scene.id]
+        ids = [scene.id, twin_id(scene.id)] if has_twin else [scene.id]
+        return [failed_drive(name, self.name, error) for name in ids]
 
     def _both(self, scene: Scene) -> list[DriveResult]:
         try:

@@ -34,7 +34,7 @@ from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._sight.visibility import is_noticeable, least_area
 from oodscen.driving._states import kept, watched
 from oodscen.driving._trace import Course, Trace, concatenate
-from oodscen.errors import MissingExtra, SceneError, UnknownComponent, UsageError
+from oodscen.errors import MissingExtra, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Control, Frame, Simulator, State, camera_for
 from oodscen.stages._birds_eye import birds_eye
 from oodscen.stages._safe_actions import Rollouts, Trials, fingerprint
@@ -143,8 +143,6 @@ def simulate(
             a time is out of range.
     """
     conforming("simulator", simulator)
-    if issues := scene.misfits():
-        raise SceneError(scene.id, issues)
     seed_number(seed)
     for action in actions:
         if action not in ACTIONS:
