@@ -42,7 +42,7 @@ def instance_of(name: str, value: Any, *kinds: type) -> None:
         UsageError: If it is not; the message names the argument and the types.
     """
     if not isinstance(value, kinds):
-        wanted = " or ".join(kind.__name__ for kind in kinds)
+        wanted = " or ".join(dict.fromkeys(kind.__name__ for kind in kinds))
         raise UsageError(f"{name} must be a {wanted}, not {said(value, 80)}")
 
 

@@ -18,7 +18,6 @@ from oodscen._numbers import seed_number
 from oodscen.data._pairing import scene_of, twin_id
 from oodscen.data._scene import Scene
 from oodscen.driving._base_simulator import render_checked
-from oodscen.driving._motion.triggers import ROUNDING_S
 from oodscen.driving._states import watched
 from oodscen.driving._trace import Course
 from oodscen.errors import SimulatorError, UnknownComponent, UsageError
@@ -34,6 +33,8 @@ from oodscen.protocols import Camera, Driver, Frame, Observation, Simulator, Sta
 from oodscen.stages._drive import horizon
 from oodscen.study._study import Study
 
+_ROUNDING_S = 1e-6
+"""Difference of two times that comes of rounding, also in single precision, s."""
 _USERS: WeakValueDictionary[tuple[int, int], "SceneEnv"] = WeakValueDictionary()
 """The open environments by process and id of their simulator."""
 
@@ -143,7 +144,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         """Return the number of the simulator's steps for which an action holds."""
         dt, seconds = self.simulator.dt, self.interface.step_s
         steps = nearest_steps(seconds, dt)
-        if seconds is not None and abs(steps * dt - seconds) > ROUNDING_S:
+        if seconds is not None and abs(steps * dt - seconds) > _ROUNDING_S:
             raise UsageError(
                 f"step_s is {seconds:g} s, not a multiple of the simulator's step of {dt:g} s; "
                 f"try {steps * dt:g}"

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Sequence
 from functools import partial
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from oodscen._arguments import checked, instances_of
 from oodscen._display import Brief
 from oodscen._members import conforming
-from oodscen._numbers import finite_number, seed_number, whole_number
+from oodscen._numbers import finite_number, said, seed_number, whole_number
 from oodscen._progress import Progress, reporting
 from oodscen._seeding import stream
 from oodscen.baselines._baseline import Baseline
@@ -172,7 +173,7 @@ class Metrics(Brief):
     def report(
         self,
         texts: Texts,
-        groups: Sequence[str] | None = None,
+        groups: Sequence[str | int | Sequence[str]] | None = None,
         *,
         definition: Measure = "tabulated",
         checks: bool = True,
@@ -186,8 +187,8 @@ class Metrics(Brief):
 
         Args:
             texts: At least one string or scenario.
-            groups: One label per text, by default the path of a scenario. Texts of a group resemble one
-                another, so they are resampled together; each group also gets its own mean.
+            groups: One label or path of labels per text, by default the path of a scenario. Texts of a group
+                resemble one another, so they are resampled together; each group also gets its own mean.
             definition: A definition of OOD-ness, or a detector.
             checks: Whether to make the checks; without them only the texts and the baseline are encoded.
             progress: True for a progress bar, or a callable; it counts the figures. The first use of a baseline
@@ -198,9 +199,7 @@ class Metrics(Brief):
             EncoderError: If the encoder fails.
         """
         plain = check_texts(texts)
-        if groups is not None:
-            instances_of("groups", groups, str)
-        clusters = tuple(groups) if groups is not None else _paths(texts)
+        clusters = _paths(texts) if groups is None else tuple(map(_group, groups))
         if clusters is not None and len(clusters) != len(plain):
             fault = f"has {len(clusters)} labels for {len(plain)} texts"
             raise DataError("groups", [Issue("", fault)])
@@ -489,7 +488,25 @@ def _as_baseline(
     return Baseline(texts=check_texts(baseline, Baseline.noun))
 
 
+def _group(label: object) -> str:
+    """Return the name of a group: a label, a number, or the labels of a path.
+
+    Raises:
+        UsageError: If it is something else.
+    """
+    if isinstance(label, str):
+        return label
+    if isinstance(label, Integral) and not isinstance(label, bool):
+        return str(label)
+    is_path = isinstance(label, Sequence | np.ndarray) and len(label) > 0
+    if not is_path or not all(isinstance(part, str) for part in label):
+        raise UsageError(
+            f"each element of groups must be a label or a path of labels, not {said(label, 80)}"
+        )
+    return " / ".join(label)
+
+
 def _paths(texts: Texts) -> tuple[str, ...] | None:
     """Return the path of each text, for clustering; `None` unless all are scenarios with a path."""
-    paths = [" / ".join(item.path) for item in texts if isinstance(item, Scenario) and item.path]
+    paths = [_group(item.path) for item in texts if isinstance(item, Scenario) and item.path]
     return tuple(paths) if len(paths) == len(texts) else None

@@ -323,15 +323,13 @@ def _pair(one: DriveResult, other: DriveResult, needless: bool | None) -> list[D
 
 def failed_drive(scene_id: str, name: str, error: BaseException) -> DriveResult:
     """Return the result of a drive that did not come to its end because of an error."""
-    said = one_line(printable(message(error)))
-    if not said or isinstance(error, SystemExit):
-        said = reason(error)
+    words = one_line(printable(message(error))) if isinstance(error, OodscenError) else ""
     return DriveResult(
         id=f"{scene_id}@{name}",
         scene_id=scene_id,
         driver=name,
         status="failed",
-        error=said[:2_000],
+        error=(words or reason(error))[:2_000],
         error_type=type(error).__name__,
         is_twin=is_twin(scene_id),
     )

@@ -194,6 +194,10 @@ def test_the_default_step_fits_the_simulator_and_another_that_does_not_is_refuse
         made(simulator=Coarse(), step_s=0.1)
 
 
+def test_a_step_may_be_a_number_of_single_precision(made):
+    assert made(step_s=np.float32(0.1)).interface.step_s == pytest.approx(0.1)
+
+
 def test_calls_out_of_order_and_unknown_scenes_are_refused(made, tmp_path):
     env = made()
     for call in (lambda: env.step([0.0, 0.0]), lambda: env.look(TINY)):

@@ -2,6 +2,7 @@ import copy
 import json
 import math
 import pickle
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -15,7 +16,8 @@ from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.data._scenario import Scenario
 from oodscen.encoders._all_minilm import all_minilm
 from oodscen.encoders._cached import CachedEncoder
-from oodscen.errors import DataError, EncoderError, UsageError
+from oodscen.errors import DataError, EncoderError, UnknownComponent, UsageError
+from oodscen.metrics._oodness import Measure
 from oodscen.metrics._report import MetricsReport
 from oodscen.statistics._auroc import auroc
 from oodscen.testing._encoder import HashEncoder
@@ -160,6 +162,35 @@ def test_a_report_round_trips_and_reads_like_a_mapping():
     assert report.oodness.interval.is_clustered
     with pytest.raises(KeyError):
         report["nothing"]
+
+
+@pytest.mark.parametrize(
+    "groups",
+    [
+        [("r", "a"), ("r", "a"), ("r", "b")],
+        [["r", "a"], ["r", "a"], ["r", "b"]],
+        np.array([["r", "a"], ["r", "a"], ["r", "b"]]),
+    ],
+)
+def test_groups_may_be_paths_of_labels(groups):
+    report = Metrics(ENCODER, ["b", "c"]).report(["a", "d", "e"], groups)
+    assert {label: group.n for label, group in report.groups.items()} == {"r / a": 2, "r / b": 1}
+
+
+def test_groups_may_be_numbers_and_nothing_else():
+    metrics = Metrics(ENCODER, ["b", "c"])
+    assert set(metrics.report(["a", "d"], [1, np.int64(2)]).groups) == {"1", "2"}
+    for label in (None, True, 1.5, (), ("r", 2), {}):
+        with pytest.raises(UsageError, match="each element of groups"):
+            metrics.report(["a", "d"], ["p", label])
+
+
+def test_an_unknown_definition_lists_all():
+    metrics = Metrics(ENCODER, ["b", "c"])
+    for measure in (metrics.oodness, metrics.report):
+        with pytest.raises(UnknownComponent, match="printed") as caught:
+            measure(["a"], definition="print")
+        assert set(caught.value.known) == set(get_args(Measure))
 
 
 def test_a_report_prints_its_figures():

@@ -85,9 +85,15 @@ def test_an_error_is_recorded_whatever_its_text_holds(simulator, error):
 
 @pytest.mark.parametrize(
     ("error", "said"),
-    [(SystemExit(0), "SystemExit: 0"), (GeneratorExit(), "GeneratorExit"), (Mute(), "Mute")],
+    [
+        (SystemExit(0), "SystemExit: 0"),
+        (GeneratorExit(), "GeneratorExit"),
+        (Mute(), "Mute"),
+        (ZeroDivisionError("division by zero"), "ZeroDivisionError: division by zero"),
+        (UsageError("no such lane"), "no such lane"),
+    ],
 )
-def test_an_error_without_words_of_its_own_has_its_name(simulator, error, said):
+def test_an_error_of_a_driver_is_told_with_its_type(simulator, error, said):
     for one in drive([example_scene()], lambda: Raising(error), simulator, name="raising"):
         assert one.error == said
 

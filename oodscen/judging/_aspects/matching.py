@@ -92,7 +92,7 @@ def score_naming(aspect: str, path: Sequence[str], visible: Sequence[Visible] = 
         path: Labels from the root to the leaf.
         visible: Everything that can be seen of the hazard.
     """
-    if not path or not aspect.strip():
+    if not len(path) or not aspect.strip():
         return AspectMatch(thing=False, right=False)
     if is_same_wording(aspect, path[-1]):
         return AspectMatch(thing=True, right=True)

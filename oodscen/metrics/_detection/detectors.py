@@ -37,6 +37,7 @@ from numpy.typing import NDArray
 from oodscen.encoders._similarity import Vectors, largest, nearest, unit
 from oodscen.errors import UnknownComponent
 from oodscen.metrics._detection.anchors import anchors
+from oodscen.metrics._oodness import Measure
 
 DetectorName = Literal["kth", "mahalanobis", "density", "whitened", "events"]
 DETECTORS: tuple[DetectorName, ...] = get_args(DetectorName)
@@ -88,7 +89,7 @@ class Detectors:
             UnknownComponent: If there is no such detector.
         """
         if name not in DETECTORS:
-            raise UnknownComponent("definition", str(name), DETECTORS)
+            raise UnknownComponent("definition", str(name), get_args(Measure))
         if name not in self._fitted:
             fit = {
                 "kth": self._kth,
