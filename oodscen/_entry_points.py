@@ -3,7 +3,6 @@
 import importlib.util
 import os
 import sys
-import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from functools import lru_cache
@@ -11,7 +10,7 @@ from importlib import metadata
 from importlib.metadata import EntryPoint, EntryPoints
 from typing import Any, cast
 
-from oodscen._members import is_interruption, reason
+from oodscen._members import is_interruption, missing_methods, reason
 from oodscen.errors import OodscenError, UnknownComponent, UsageError
 
 KINDS = {
@@ -29,6 +28,7 @@ DRIVERS = {
 }
 """The built-in reference drivers by name."""
 
+_OWN_PACKAGES = ("oodscen", "oodscen_pybullet", "oodscen_carla", "oodscen_highway", "oodscen_sumo")
 _LONGEST = 4_096
 """Maximum length of a name, in characters; a path can be this long."""
 
@@ -60,11 +60,28 @@ def _installed(folders: tuple[tuple[str, int], ...]) -> EntryPoints:
 
 
 def names(kind: str) -> dict[str, EntryPoint]:
-    """Return the registered entry points of a kind, by name; nothing is imported."""
-    points = {point.name: point for point in sorted(entry_points(group=KINDS[kind]))}
+    """Return the registered entry points of a kind, by name; nothing is imported.
+
+    A name of this library stays its own. Of other packages that share a name, `load_factory` takes neither.
+    """
+    return {name: points[0] for name, points in _registered(kind).items()}
+
+
+def _registered(kind: str) -> dict[str, list[EntryPoint]]:
+    """Return the different entry points of each name, those of this library first."""
+    points = sorted(entry_points(group=KINDS[kind]), key=lambda point: (not _is_own(point), point))
     if kind == "driver":
-        points |= {name: EntryPoint(name, path, KINDS[kind]) for name, path in DRIVERS.items()}
-    return points
+        own = (EntryPoint(name, path, KINDS[kind]) for name, path in DRIVERS.items())
+        points = [*own, *points]
+    by_name: dict[str, dict[str, EntryPoint]] = {}
+    for point in points:
+        by_name.setdefault(point.name, {}).setdefault(point.value, point)
+    return {name: list(same_name.values()) for name, same_name in sorted(by_name.items())}
+
+
+def _is_own(point: EntryPoint) -> bool:
+    """Return whether an entry point is one of this library and its adapters."""
+    return point.module.partition(".")[0] in _OWN_PACKAGES
 
 
 def load_factory(kind: str, name: str) -> Callable[..., Any]:
@@ -75,9 +92,14 @@ def load_factory(kind: str, name: str) -> Callable[..., Any]:
         UsageError: If the component exists but cannot be imported or called.
     """
     refuse_long(kind, name)
-    registered = names(kind)
+    registered = _registered(kind)
     if name in registered:
-        point = registered[name]
+        point, *others = registered[name]
+        if others and not _is_own(point):
+            raise UsageError(
+                f"{len(others) + 1} packages call a {kind} {name!r}: "
+                f"{', '.join(same.value for same in (point, *others))}; name the one that is meant in this form"
+            )
     elif is_reference(name):
         point = EntryPoint(name, name, KINDS[kind])
     elif reads_as_reference(name):
@@ -135,17 +157,23 @@ def refuse_long(kind: str, name: str) -> None:
 
 
 def survey() -> list[dict[str, str]]:
-    """List every registered component and whether it loads; a broken one only causes a warning."""
-    rows = []
-    for kind in KINDS:
-        for name, point in names(kind).items():
-            try:
-                load_factory(kind, name)
-                state = "ok"
-            except OodscenError as error:
-                state = str(error)
-                warnings.warn(
-                    f"the {kind} {name!r} is broken: {error}", RuntimeWarning, stacklevel=2
-                )
-            rows.append({"kind": kind, "name": name, "source": point.value, "state": state})
-    return rows
+    """List every registered component and whether it loads; the fault of a broken one is its state."""
+    return [
+        {"kind": kind, "name": name, "source": point.value, "state": _state(kind, point, points)}
+        for kind in KINDS
+        for name, points in _registered(kind).items()
+        for point in points
+    ]
+
+
+def _state(kind: str, point: EntryPoint, same_name: list[EntryPoint]) -> str:
+    """Return "ok", or why a registered component cannot be used by its name."""
+    first = same_name[0]
+    if point is not first and _is_own(first):
+        return f"not used: the name is that of {first.value}"
+    try:
+        factory = load_factory(kind, point.name)
+    except OodscenError as error:
+        return str(error)
+    missing = missing_methods(kind, factory) if isinstance(factory, type) else []
+    return f"has no {', '.join(missing)}" if missing else "ok"

@@ -84,11 +84,14 @@ def conforming(kind: str, component: Any, label: str = "") -> Any:
 
 
 def _missing(kind: str, component: Any) -> list[str]:
-    values, methods = _PROMISES[kind]
-    missing = [name for name in values if not _is_there(component, name)]
-    return missing + [
-        f"{name}()" for name in methods if not callable(optional(component, name, None))
-    ]
+    missing = [name for name in _PROMISES[kind].values if not _is_there(component, name)]
+    return missing + missing_methods(kind, component)
+
+
+def missing_methods(kind: str, component: Any) -> list[str]:
+    """Return the methods that a component, or the class of one, should have and has not."""
+    methods = _PROMISES[kind].methods if kind in _PROMISES else ()
+    return [f"{name}()" for name in methods if not callable(optional(component, name, None))]
 
 
 def _is_there(component: Any, name: str) -> bool:

@@ -172,13 +172,52 @@ def test_a_broken_plugin_is_a_usage_error_that_names_it(plugins, name):
         make_llm(name)
 
 
-def test_the_survey_warns_of_what_is_broken_and_lists_the_rest(plugins):
-    with pytest.warns(RuntimeWarning, match="broken|gone|number"):
-        rows = survey()
-    states = {row["name"]: row["state"] for row in rows if row["kind"] == "llm"}
+def test_the_survey_lists_what_is_broken_and_what_works(plugins):
+    states = {row["name"]: row["state"] for row in survey() if row["kind"] == "llm"}
     assert states["random"] == states["plain"] == "ok"
-    assert states["broken"] != "ok"
-    assert states["gone"] != "ok"
+    for name in ("broken", "gone", "number"):
+        assert name in states[name]
+
+
+def _register(monkeypatch, *points):
+    real = _entry_points.entry_points
+    monkeypatch.setattr(
+        _entry_points,
+        "entry_points",
+        lambda *, group: [*real(group=group), *(one for one in points if one.group == group)],
+    )
+
+
+@pytest.mark.parametrize("module", ["aa_fork", "zz_fork"])
+def test_a_name_of_this_library_stays_its_own(monkeypatch, module):
+    _register(monkeypatch, EntryPoint("flat", f"{module}:Simulator", "oodscen.simulators"))
+    assert isinstance(make_simulator("flat"), FlatSimulator)
+    states = [row["state"] for row in survey() if row["name"] == "flat" and module in row["source"]]
+    assert states == ["not used: the name is that of oodscen.testing._flat:FlatSimulator"]
+
+
+def test_a_name_that_two_packages_share_is_refused_with_both(monkeypatch):
+    group = "oodscen.simulators"
+    values = [f"fork_{letter}:Simulator" for letter in "ab"]
+    _register(monkeypatch, *(EntryPoint("mine", value, group) for value in values))
+    with pytest.raises(
+        UsageError, match=r"2 packages call a simulator 'mine': fork_a:Sim.*fork_b:Sim"
+    ):
+        make_simulator("mine")
+    assert [row["source"] for row in survey() if row["name"] == "mine"] == values
+
+
+def test_an_entry_point_that_is_found_twice_is_one(monkeypatch):
+    value = "oodscen.testing._flat_catalogue:FLAT_CATALOGUE"
+    _register(monkeypatch, *(EntryPoint("twice", value, "oodscen.catalogues") for _ in "ab"))
+    assert [row["source"] for row in survey() if row["name"] == "twice"] == [value]
+
+
+def test_the_survey_names_the_methods_that_a_class_lacks(monkeypatch):
+    value = "oodscen.testing._flat:FlatSimulator"
+    _register(monkeypatch, EntryPoint("gpt-4o", value, "oodscen.llms"))
+    states = {row["name"]: row["state"] for row in survey() if row["kind"] == "llm"}
+    assert states["gpt-4o"] == "has no complete()"
 
 
 @pytest.mark.parametrize("name", ["", ":", "a:", ":b", "a b:c", "..:x", "../x", "os", "\n"])

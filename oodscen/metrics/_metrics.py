@@ -498,12 +498,12 @@ def _group(label: object) -> str:
         return label
     if isinstance(label, Integral) and not isinstance(label, bool):
         return str(label)
-    is_path = isinstance(label, Sequence | np.ndarray) and len(label) > 0
-    if not is_path or not all(isinstance(part, str) for part in label):
+    parts = list(label) if isinstance(label, Sequence | np.ndarray) else []
+    if not parts or not all(isinstance(part, str) for part in parts):
         raise UsageError(
             f"each element of groups must be a label or a path of labels, not {said(label, 80)}"
         )
-    return " / ".join(label)
+    return " / ".join(parts)
 
 
 def _paths(texts: Texts) -> tuple[str, ...] | None:
