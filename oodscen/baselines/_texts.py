@@ -67,7 +67,7 @@ def fault_of(text: object) -> str:
     if len(text) > MAX_CHARACTERS:
         return f"has {len(text):,} characters, and a text has at most {MAX_CHARACTERS:,}"
     if "\0" in text:
-        return "holds a NUL character; is the file UTF-16?"
+        return "holds a NUL character, as UTF-16 does where it is read as UTF-8"
     try:
         text.encode()
     except UnicodeEncodeError:

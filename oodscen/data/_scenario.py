@@ -1,6 +1,6 @@
 """The scenario: one text that describes a driving situation."""
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from oodscen.data._base import Data
 
@@ -22,3 +22,12 @@ class Scenario(Data):
     """The text of its ordinary twin: same place, phrasing and length, without the unusual part."""
     runners_up: tuple[str, ...] = ()
     """Ids of further matching leaves."""
+
+    @field_validator("text")
+    @classmethod
+    def _has_words(cls, text: str) -> str:
+        if not text.strip():
+            raise ValueError("must not be blank")
+        if "\0" in text:
+            raise ValueError("must not hold a NUL character")
+        return text

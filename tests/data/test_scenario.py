@@ -8,7 +8,10 @@ from oodscen.data._scenario import Scenario
 from oodscen.errors import DataError
 
 
-@given(st.text(min_size=1, max_size=2_000))
+TEXTS = st.text(st.characters(exclude_characters="\0", exclude_categories=["Cs"]), max_size=2_000)
+
+
+@given(TEXTS.filter(str.strip))
 def test_any_text_of_sane_length_is_a_scenario(text):
     scenario = Scenario(id="fog-001", text=text)
     assert Scenario.parse(scenario.to_json()) == scenario
@@ -18,6 +21,8 @@ def test_any_text_of_sane_length_is_a_scenario(text):
     ("changes", "path"),
     [
         ({"text": ""}, "text"),
+        ({"text": " \n"}, "text"),
+        ({"text": "Fog.\0"}, "text"),
         ({"text": "x" * 2_001}, "text"),
         ({"id": ""}, "id"),
         ({"id": "a/b"}, "id"),
