@@ -8,7 +8,13 @@ import numpy as np
 from oodscen.driving import KinematicWorld
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import ROUNDING_S
-from oodscen.interchange._verdicts.plausibility import ASKEW, IN_DEGREES, turn, unusable
+from oodscen.interchange._verdicts.plausibility import (
+    ASKEW,
+    IN_DEGREES,
+    beyond_a_turn,
+    turn,
+    unusable,
+)
 from oodscen.numerics._exact import Floats
 from oodscen.protocols import Control, State
 
@@ -120,9 +126,11 @@ def _askew(world: KinematicWorld, poses: Floats) -> str:
     if not len(askew):
         return ""
     row = askew[0]
-    if turn(np.radians(poses[:, 3]) - heading).max() <= ASKEW:
+    fits = turn(np.radians(poses[:, 3]) - heading).max() <= ASKEW
+    if fits and beyond_a_turn(poses[:, 3]):
         raise unusable(world.ids[row], IN_DEGREES)
-    return f"{world.ids[row]} starts turned by {np.degrees(off[row]):.0f} degrees"
+    hint = "; headings are in radians, and as degrees they would fit" if fits else ""
+    return f"{world.ids[row]} starts turned by {np.degrees(off[row]):.0f} degrees{hint}"
 
 
 def _wrong_speed(usual: float, pace: _Pace, since_s: float) -> str:

@@ -154,11 +154,10 @@ def _check_ego(time: Floats, ego: "_MeanMotion") -> None:
     way, heading = ego.ways[ego.moves], ego.headings[ego.moves]
     off, in_degrees = _askew(way, heading), _askew(way, np.radians(heading))
     wrong = off > ASKEW
-    beyond = np.abs(heading[wrong]) > np.pi + 0.1
-    if wrong.mean() > 0.05 and beyond.any() and np.median(in_degrees) < 0.5 * ASKEW:
+    fits = np.median(in_degrees) < 0.5 * ASKEW
+    if wrong.mean() > 0.05 and beyond_a_turn(heading[wrong]) and fits:
         raise unusable("ego", IN_DEGREES)
     if wrong.mean() > 0.5:
-        fits = np.median(in_degrees) < 0.5 * ASKEW
         raise unusable(
             "ego",
             f"heads {np.degrees(np.median(off)):.0f} degrees off its motion; headings are in radians, from the x "
@@ -212,6 +211,11 @@ def _mean_motion(time: Floats, poses: Floats) -> _MeanMotion:
 def _askew(way: Floats, heading: Floats) -> Floats:
     """Return the angles between motion and headings, forwards or backwards, rad."""
     return np.abs((way - heading + 0.5 * np.pi) % np.pi - 0.5 * np.pi)
+
+
+def beyond_a_turn(headings: Floats) -> bool:
+    """Return whether some headings are beyond a whole turn, in rad; smaller ones fit many motions as degrees, too."""
+    return bool((np.abs(headings) > 2.0 * np.pi + 0.1).any())
 
 
 def turn(angle: Floats) -> Floats:

@@ -334,6 +334,18 @@ def test_a_run_with_a_hole_a_leap_or_a_wrong_unit_is_refused(name):
         verdict(scene, UNUSABLE[name](poses), catalogue())
 
 
+@pytest.mark.parametrize("angle", [25, 30, 90, 180])
+def test_an_ego_that_is_turned_all_the_way_is_not_taken_for_one_in_degrees(angle):
+    scene, poses, _ = crash()
+    ego = poses.names.index("ego")
+    turned = change(poses, pose=lambda p: moved(p, ego, [0, 0, 0, np.radians(angle)]))
+    try:
+        told = verdict(scene, turned, catalogue()).inconclusive
+    except DataError as error:
+        told = str(error)
+    assert f"{angle} degrees" in told
+
+
 def oblique():
     for scene in SCENES:
         poses = played(scene, "keep_speed")
