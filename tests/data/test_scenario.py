@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 from oodscen.data._scenario import Scenario
 from oodscen.errors import DataError
 
-
 TEXTS = st.text(st.characters(exclude_characters="\0", exclude_categories=["Cs"]), max_size=2_000)
 
 
