@@ -1,19 +1,16 @@
-"""Commands that exchange scenes with other tools: export, import, verdict, vary."""
+"""Commands that take scenes and runs from other tools, and vary scenes: import, verdict, vary."""
 
 import json
-import os
 import sys
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
-from itertools import starmap
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from oodscen._cli.completion import ComponentName
-from oodscen._cli.exporting import claim_folder, refuse_clashes, require_extra
 from oodscen._cli.options import (
     json_option,
     refuse_idle,
@@ -21,205 +18,20 @@ from oodscen._cli.options import (
     seed_option,
     simulator_option,
 )
-from oodscen._cli.output import say, write
+from oodscen._cli.output import say
 from oodscen._cli.paths import READABLE, PathName
-from oodscen._cli.places import KnownFacts, scenes_of, simulator_of
+from oodscen._cli.places import scenes_of
 from oodscen._cli.progress import tracked
-from oodscen._files import writing
-from oodscen._members import using
-from oodscen._processes import Processes
-from oodscen._study_files import refuse_inside
 from oodscen._text import one_line, printable
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._episode import ACTIONS
-from oodscen.data._pairing import is_twin, scene_of, twin_id
+from oodscen.data._pairing import is_twin, scene_of
 from oodscen.data._scene import Scene
-from oodscen.errors import MissingExtra, OodscenError, UsageError
+from oodscen.errors import OodscenError, UsageError
 
 if TYPE_CHECKING:
     from oodscen.interchange._verdicts.verdict import PlayedVerdict
 
 _PLACE = PathName(exists=True, path_type=Path)
-_FOLDER = PathName(file_okay=False, path_type=Path)
-_Written = tuple[int, list[str]]
-_PART = 24
-"""Number of scenes that a process writes in one go."""
-
-
-@click.command()
-@click.argument("place", metavar="STUDY|SCENES", type=_PLACE)
-@click.option("-o", "--out", type=_FOLDER, required=True, help="Folder to write into.")
-@click.option(
-    "--to",
-    "form",
-    type=click.Choice(("openscenario", "openlabel", "osi", "mcap", "rerun")),
-    default="openscenario",
-    show_default=True,
-    help="Format.",
-)
-@click.option(
-    "--mode",
-    type=click.Choice(("replay", "reactive")),
-    default="replay",
-    show_default=True,
-    help="Courses as rolled out, or triggers as conditions on the ego.",
-)
-@click.option(
-    "--for",
-    "target",
-    type=click.Choice(("generic", "esmini", "carla-scenario-runner")),
-    default="generic",
-    show_default=True,
-    help="Player for which the files are written.",
-)
-@click.option(
-    "--action",
-    type=click.Choice(ACTIONS),
-    default="keep_speed",
-    show_default=True,
-    help="The ego's action after the decision, in a replay.",
-)
-@click.option("--ego/--no-ego", default=True, show_default=True, help="Write the ego's course.")
-@click.option(
-    "--twins/--no-twins",
-    default=True,
-    show_default=True,
-    help="Write the ordinary twins and demands as well.",
-)
-@click.option("--logical", is_flag=True, help="Write the ranges of the scenes' parameters as well.")
-@click.option("--limit", type=click.IntRange(min=1), help="Write at most this many scenes.")
-@click.option(
-    "--workers",
-    type=click.IntRange(1, 256),
-    help="Processes.  [default: number of CPUs, one for few scenes]",
-)
-@simulator_option
-@seed_option
-def export(
-    place: Path,
-    out: Path,
-    limit: int | None,
-    workers: int | None,
-    simulator: str,
-    **options: Any,
-) -> None:
-    """Write scenes and their ordinary drives (twins and demands) into a folder.
-
-    The scenes are those of a study, or of a file with one scene per line. `openscenario` writes OpenSCENARIO XML with
-    OpenDRIVE, `openlabel` tags of the operational design domain and behaviour, `osi` a trace of ground truth, `mcap`
-    the same trace with its map in one file, `rerun` a recording for the Rerun viewer. Scenes that cannot be written,
-    also as the ego has no lane for the action, are reported on standard error, and the exit code is then 1.
-    """
-    if (form := options["form"]) != "openscenario":
-        refuse_idle(f"with --to {form}", "mode", "target", "ego", "logical")
-    if form == "openlabel" or options["mode"] == "reactive":
-        refuse_idle("without a replay", "action")
-    require_extra(form)
-    scenes, catalogue, facts = scenes_of(place, simulator)
-    scenes = scenes[:limit]
-    options["simulator"] = simulator_of(place, simulator)
-    if not options["twins"]:
-        facts = facts._replace(demands={})
-    refuse_inside(out)
-    refuse_clashes(scenes, facts, options)
-    with writing(out):
-        out.mkdir(parents=True, exist_ok=True)
-    written, faults = 0, list[str]()
-    claim_folder(out, scenes, catalogue, options["form"])
-    parts = [scenes[first : first + _PART] for first in range(0, len(scenes), _PART)]
-    jobs = [(part, catalogue, facts.of(part), out, options) for part in parts]
-    for some, errors in tracked(_results(jobs, workers), "export", len(jobs)):
-        written += some
-        faults += errors
-    for fault in faults:
-        say(fault, err=True)
-    say(f"{written} files in {out}, {len(faults)} failed", err=True)
-    sys.exit(bool(faults))
-
-
-def _results(jobs: Sequence[tuple[Any, ...]], workers: int | None) -> Iterator[_Written]:
-    """Yield what the jobs of `write_scenes` return, in processes if there are several."""
-    count = min(workers or os.cpu_count() or 1, len(jobs))
-    if count < 2:
-        yield from starmap(write_scenes, jobs)
-        return
-    with Processes(count) as pool:
-        for future in [pool.submit(write_scenes, *job) for job in jobs]:
-            yield future.result()
-
-
-def write_scenes(
-    scenes: Sequence[Scene],
-    catalogue: Catalogue,
-    known: KnownFacts,
-    out: Path,
-    options: dict[str, Any],
-) -> _Written:
-    """Write some scenes, and return the number of files and the faults of scenes that cannot be written."""
-    from oodscen.interchange._recording import ordinary_twin
-
-    written, faults = 0, list[str]()
-    for scene in scenes:
-        items = [scene, *known.demands_of(scene)]
-        if options["twins"] and not scene.is_ordinary:
-            with _kept(faults, twin_id(scene.id)):
-                items.append(ordinary_twin(scene, catalogue, seed=options["seed"]))
-        for item in items:
-            with _kept(faults, item.id):
-                _write(item, catalogue, known, out, options)
-                written += 1
-    return written, faults
-
-
-@contextmanager
-def _kept(faults: list[str], name: str) -> Iterator[None]:
-    """Keep an error about an item as a line, and go on; a missing package would fail every item."""
-    try:
-        yield
-    except MissingExtra:
-        raise
-    except OodscenError as error:
-        faults.append(f"{name}: {error}")
-
-
-def _write(
-    scene: Scene,
-    catalogue: Catalogue,
-    known: KnownFacts,
-    out: Path,
-    options: dict[str, Any],
-) -> None:
-    """Write one scene in the chosen format."""
-    from oodscen._files import replace
-    from oodscen.interchange._writing.logical import logical_file
-
-    seed = options["seed"]
-    if options["form"] == "openlabel":
-        write(out / f"{scene.id}.json", json.dumps(scene.to_openlabel(catalogue), indent=2))
-    elif options["form"] in ("osi", "mcap"):
-        form = options["form"]
-        trace = scene.to_osi(catalogue, action=options["action"], seed=seed, container=form)
-        replace(out / f"{scene.id}.{form}", trace)
-    elif options["form"] == "rerun":
-        from oodscen import make_simulator
-        from oodscen.interchange._traces.rerun_files import write_rerun
-
-        with using(make_simulator(options["simulator"])) as drawing:
-            path = out / f"{scene.id}.rrd"
-            write_rerun(scene, drawing, path, action=options["action"], seed=seed)
-    else:
-        chosen = {name: options[name] for name in ("mode", "target", "action", "ego")}
-        file = scene.to_openscenario(catalogue, seed=seed, properties=known(scene), **chosen)
-        file.save(out)
-        if options["logical"] and not scene.is_ordinary:
-            is_12 = options["target"] != "carla-scenario-runner"
-            claims = known.claims(scene)
-            if options["mode"] == "reactive" and is_12:
-                logical = logical_file(file, scene, catalogue, claims, seed)
-            else:
-                logical = scene.to_openscenario(catalogue, mode="logical", claims=claims, seed=seed)
-            if logical.beside:
-                logical.save(out)
 
 
 @click.command("import")
@@ -374,8 +186,8 @@ def verdict(
             )
         )
     else:
-        for one in verdicts:
-            say(_line(one))
+        for played_verdict in verdicts:
+            say(_line(played_verdict))
     if driver and verdicts and place.is_dir():
         _enter(place, verdicts, replace)
     sys.exit(bool(failed) or any(played_verdict.inconclusive for played_verdict in verdicts))
@@ -402,7 +214,7 @@ def vary(place: Path, wanted: str | None, count: int, seed: int, simulator: str)
     """
     scenes, catalogue, facts = scenes_of(place, simulator)
     if wanted is not None:
-        scenes = [one for one in (*scenes, *facts.demands.values()) if one.id == wanted]
+        scenes = [scene for scene in (*scenes, *facts.demands.values()) if scene.id == wanted]
         if not scenes:
             raise UsageError(f"there is no scene {wanted!r}")
     short = 0
@@ -429,7 +241,7 @@ def _scene_named(name: str, by_id: dict[str, Scene], catalogue: Catalogue, seed:
     raise UsageError(f"there is no scene {name!r}")
 
 
-def _enter(place: Path, found: "list[PlayedVerdict]", is_replacing: bool) -> None:
+def _enter(place: Path, verdicts: "list[PlayedVerdict]", is_replacing: bool) -> None:
     """Enter the drives into the study's table and write its report again.
 
     Raises:
@@ -447,7 +259,7 @@ def _enter(place: Path, found: "list[PlayedVerdict]", is_replacing: bool) -> Non
         played_verdict.drive.model_copy(
             update={"made_from": digests[scene_of(played_verdict.scene_id)]}
         )
-        for played_verdict in found
+        for played_verdict in verdicts
     ]
     other = [result.scene_id for result in results if result != rows.get(result.id, result)]
     if other and not is_replacing:
@@ -459,14 +271,14 @@ def _enter(place: Path, found: "list[PlayedVerdict]", is_replacing: bool) -> Non
     write_report(study)
 
 
-def _line(one: "PlayedVerdict") -> str:
-    came = f"decision at {one.decision_s:.2f} s" if one.decision_fired else "no decision"
-    notes = "".join(f"; {note}" for note in one.notes)
-    outcome = one.outcome
+def _line(played: "PlayedVerdict") -> str:
+    decided = f"decision at {played.decision_s:.2f} s" if played.decision_fired else "no decision"
+    notes = "".join(f"; {note}" for note in played.notes)
+    outcome = played.outcome
     if outcome is None:
-        return f"{one.scene_id}: {came}, inconclusive: {one.inconclusive}{notes}"
+        return f"{played.scene_id}: {decided}, inconclusive: {played.inconclusive}{notes}"
     hit = f"touches {', '.join(outcome.contacts)}" if outcome.contacts else ""
     harm = hit or ("leaves the road" if outcome.off_road else "")
     harm = harm or ("drives past the red light" if outcome.ran_red else "safe")
     margin = "" if outcome.margin_m is None else f", margin {outcome.margin_m:.2f} m"
-    return f"{one.scene_id}: {came}, {harm}{margin}{notes}"
+    return f"{played.scene_id}: {decided}, {harm}{margin}{notes}"

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 from oodscen import Study, make_catalogue
 from oodscen._cli import main
-from oodscen._cli.exporting import LIST
+from oodscen._cli.export_folder import LIST
 from oodscen.interchange import read_openscenario
 from oodscen.interchange._recording import UnrenderedSimulator, replayed
 from oodscen.interchange._traces.osi_reading import read_osi_trace
@@ -77,7 +77,7 @@ def test_a_logical_export_gives_back_its_scene(mode, tmp_path):
 
 
 def test_processes_write_the_same_files(tmp_path, monkeypatch):
-    monkeypatch.setattr("oodscen._cli.interchange._PART", 1)
+    monkeypatch.setattr("oodscen._cli.export._PART", 1)
     scenes, written = tmp_path / "scenes.jsonl", []
     scenes.write_text("".join(f"{scene.to_json()}\n" for scene in SCENES[:2]))
     for workers in (1, 2):

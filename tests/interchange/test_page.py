@@ -1,4 +1,4 @@
-from oodscen._cli.interchange import export
+from oodscen._cli.export import export
 from oodscen.driving._motion.behaviours import BEHAVIOURS, MOVES_BEFORE_TRIGGER, WITHOUT_TRIGGER
 from oodscen.interchange._reading import actions, positions, triggers
 from tests.interchange.page import table

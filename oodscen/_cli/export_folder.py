@@ -1,9 +1,10 @@
-"""The claim of a folder that `export` writes into: it replaces only files of earlier exports."""
+"""The options of `export`, and the folder that it writes into: it replaces only files of earlier exports."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Literal
 
 from oodscen._cli.places import KnownFacts
 from oodscen._files import read_utf8, replace
@@ -12,6 +13,10 @@ from oodscen.data._pairing import demand_id, is_ordinary, twin_id
 from oodscen.data._scene import Scene
 from oodscen.errors import FolderTaken, OodscenError, UsageError
 
+if TYPE_CHECKING:
+    from oodscen.interchange._writing.scenario import Target
+
+Format = Literal["openscenario", "openlabel", "osi", "mcap", "rerun"]
 LIST = "oodscen-export.txt"
 """File that lists what exports have written into its folder."""
 _HEAD = "Files of oodscen export. Another export replaces those that are listed, and no others."
@@ -23,21 +28,37 @@ _SUFFIXES = {
 """Suffixes of the files of a scene; of other formats the suffix is the format's name."""
 
 
-def refuse_clashes(scenes: Sequence[Scene], known: KnownFacts, options: Mapping[str, Any]) -> None:
+@dataclass(frozen=True)
+class ExportOptions:
+    """The choices of an export."""
+
+    form: Format
+    mode: Literal["replay", "reactive"]
+    target: "Target"
+    action: str
+    ego: bool
+    twins: bool
+    logical: bool
+    seed: int
+    simulator: str
+    """The simulator that draws, where pictures are written."""
+
+
+def refuse_clashes(scenes: Sequence[Scene], facts: KnownFacts, options: ExportOptions) -> None:
     """Refuse an export that would, with these options, write two drives of scenes or their demands into one file.
 
     Raises:
         UsageError: If two files would have one name; the message names both drives.
     """
     owners: dict[str, str] = {}
-    first, *logical = _SUFFIXES.get(options["form"], (options["form"],))
+    first, *logical = _SUFFIXES.get(options.form, (options.form,))
     for scene in scenes:
         drives = [(scene.id, f"the scene {scene.id!r}")]
-        drives += [(one.id, f"the demand {one.id!r}") for one in known.demands_of(scene)]
-        if options["twins"] and not scene.is_ordinary:
+        drives += [(demand.id, f"the demand {demand.id!r}") for demand in facts.demands_of(scene)]
+        if options.twins and not scene.is_ordinary:
             drives.append((twin_id(scene.id), f"the twin of the scene {scene.id!r}"))
         files = [(f"{name}.{first}", owner) for name, owner in drives]
-        if options["logical"]:
+        if options.logical:
             ranges = [drive for drive in drives if not is_ordinary(drive[0])]
             files += [
                 (f"{name}.{end}", f"the ranges of {of}") for name, of in ranges for end in logical
@@ -110,7 +131,7 @@ def _roads(scenes: Iterable[Scene], catalogue: Catalogue) -> Iterable[tuple[str,
     """Yield the names and contents of the maps; those that cannot be read are reported by scene."""
     from oodscen.interchange._writing.roads import road_file
 
-    for scene in {one.map: one for one in scenes}.values():
+    for scene in {scene.map: scene for scene in scenes}.values():
         with suppress(OodscenError):
             yield road_file(scene, catalogue)
 
