@@ -3,7 +3,7 @@
 from itertools import permutations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.adapters.oodscen_carla.server.conftest import Served
@@ -48,24 +48,23 @@ def test_a_queue_that_runs_into_something_stops_whole_in_any_order(served, order
     assert x_of(served, ids["tail"]) < x_of(served, ids["lead"]) < 108.0
 
 
-@settings(max_examples=40, deadline=None)
+@settings(
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 @given(
     st.permutations(range(5)),
     st.lists(st.sampled_from((-40.0, 0.0, 10.0, 40.0)), min_size=5, max_size=5),
     st.sampled_from((0.05, 0.3)),
 )
-def test_no_driven_cars_overlap_that_did_not_before(order, speeds, dt):
-    served = Served()
-    try:
-        served.world.settings = served.world.settings._replace(fixed_step_s=dt)
-        cars = [served.spawn(CAR, 100.0 + 6.0 * place, Y) for place in order]
-        for car, speed in zip(cars, speeds, strict=True):
-            drive(served, car, speed)
-        for _ in range(6):
-            served.get("tick_cue")
-            assert not overlapping(served, cars)
-    finally:
-        served.world.close()
+def test_no_driven_cars_overlap_that_did_not_before(served, order, speeds, dt):
+    served.world.load()
+    served.world.settings = served.world.settings._replace(fixed_step_s=dt)
+    cars = [served.spawn(CAR, 100.0 + 6.0 * place, Y) for place in order]
+    for car, speed in zip(cars, speeds, strict=True):
+        drive(served, car, speed)
+    for _ in range(6):
+        served.get("tick_cue")
+        assert not overlapping(served, cars)
 
 
 def test_cars_that_meet_both_stop_and_tell_of_it(served):
