@@ -1,7 +1,6 @@
 """Loading of the knowledge base: the shipped TOML files and a user's own, with all their faults."""
 
 import re
-import tomllib
 from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from functools import cache, lru_cache
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from oodscen._files import read_utf8, unreadable
+from oodscen._toml import parse_toml
 from oodscen.author._knowledge.base import (
     AmbientTraffic,
     BackgroundTraffic,
@@ -59,7 +59,7 @@ class KnowledgeFiles:
         """Add the content of a file."""
         try:
             content = _content(text)
-        except (tomllib.TOMLDecodeError, RecursionError) as error:
+        except ValueError as error:
             self.issues.append(Issue(name, str(error)))
             return
         for key, value in content.items():
@@ -185,7 +185,7 @@ def _set_aside(entry: dict[str, Any], path: str) -> None:
 @lru_cache(maxsize=8)
 def _content(text: str) -> Mapping[str, Any]:
     """Return the parsed content of a file. Cached: every load of a user's file re-reads the shipped files."""
-    return tomllib.loads(text)
+    return parse_toml(text)
 
 
 def _lines(text: str, key: str) -> list[int]:

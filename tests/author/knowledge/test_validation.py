@@ -82,7 +82,11 @@ def test_every_fault_is_reported_with_file_and_path(tmp_path: Path) -> None:
     assert len(caught.value.issues) >= 6
 
 
-@pytest.mark.parametrize("text", ["not toml at all [", "\xff"])
+@pytest.mark.parametrize(
+    "text",
+    ["not toml at all [", "\xff", "x = " + "1" * 5_000, "x = " + "[" * 5_000 + "]" * 5_000],
+    ids=["syntax", "bytes", "digits", "depth"],
+)
 def test_an_unreadable_file_is_one_typed_error(tmp_path: Path, text: str) -> None:
     path = tmp_path / "own.toml"
     path.write_bytes(text.encode("latin-1"))
