@@ -165,7 +165,7 @@ def _field(path: str) -> str:
 
 
 def _set_aside(entry: dict[str, Any], path: str) -> None:
-    """Remove the target of a path; in a list of names, a placeholder replaces it."""
+    """Remove the target of a path; a placeholder replaces a name in a list, and a backward range is turned round."""
     steps: list[str | int] = [
         int(step[1:-1]) if step.startswith("[") else step
         for step in re.findall(r"\[\d+\]|[^.\[\]]+", path)
@@ -177,9 +177,16 @@ def _set_aside(entry: dict[str, Any], path: str) -> None:
         except (KeyError, IndexError, TypeError):
             return
     if steps and isinstance(inner, dict):
-        inner.pop(steps[-1], None)
+        target = inner.pop(steps[-1], None)
+        if _is_backward(target):
+            inner[steps[-1]] = target[::-1]
     elif steps and isinstance(inner, list) and isinstance(steps[-1], int):
         inner[steps[-1]] = f"Without a name {steps[-1]}"
+
+
+def _is_backward(value: Any) -> bool:
+    is_pair = isinstance(value, list) and len(value) == 2
+    return is_pair and all(isinstance(end, (int, float)) for end in value) and value[0] > value[1]
 
 
 @lru_cache(maxsize=8)
