@@ -75,6 +75,11 @@ _FILES = frozenset(
 )
 
 
+def picture_of(name: str) -> str:
+    """Return the file of a study that shows a thing made to order."""
+    return f"{PICTURES}/{name}.jpg"
+
+
 def is_own(name: str) -> bool:
     """Return whether this is the name of a file or folder that a run or a command writes into a study."""
     return name in _FILES or name in FOLDERS or bool(TEXT_SETS.fullmatch(name))

@@ -1,7 +1,7 @@
 """The cameras of a CARLA client, and the frames that their pictures make."""
 
 import queue
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,8 +17,11 @@ DEPTH_CODES = (1 << 24) - 1
 """Depth code, of three bytes, that stands for `FARTHEST_M`."""
 _SKY_M = FARTHEST_M - 0.01
 """Depth from which a pixel counts as sky, m."""
-_BODIES = 1 << 16
-"""Number of actors that instance pictures tell apart: they hold the last two bytes of an id."""
+_IDS = 1 << 16
+"""Number of ids that instance pictures tell apart. They hold the last two bytes of an actor's id from CARLA 0.9.16 on
+(carla-simulator/carla, pull request 8334); what is no actor of CARLA's has a number of the engine there."""
+_UNTAGGED = 0
+"""Tag of a mesh to which CARLA gives no class."""
 _BLUE, _GREEN, _RED = range(3)
 """Channels of a picture."""
 
@@ -26,7 +29,7 @@ _BLUE, _GREEN, _RED = range(3)
 class Cameras:
     """Cameras that are mounted together on one actor.
 
-    They sleep until a picture is wanted, and again after a tick without such a wish. Every method may raise the client's `RuntimeError`.
+    Every method may raise the client's `RuntimeError`.
     """
 
     def __init__(self) -> None:
@@ -52,10 +55,11 @@ class Cameras:
             host: The actor that carries the cameras.
             camera: Size, field of view and place of the pictures.
         """
-        old = self._sensors
-        self.forget()
-        for sensor, _ in old.values():
+        self.sleep()
+        self._mounted = None
+        for kind, (sensor, _) in list(self._sensors.items()):
             sensor.destroy()
+            del self._sensors[kind]
         place = carla.Transform(
             carla.Location(camera.x, -camera.y, camera.z),
             carla.Rotation(pitch=-camera.pitch_deg, yaw=-camera.yaw_deg),
@@ -110,13 +114,22 @@ class Cameras:
         return found
 
 
-def decode(pictures: dict[str, Any], camera: Camera, ids: Sequence[int]) -> Frame:
+def decode(
+    pictures: dict[str, Any],
+    camera: Camera,
+    ids: Sequence[int],
+    tags: Sequence[Collection[int]],
+) -> Frame:
     """Return the frame that the pictures of one tick make.
+
+    A pixel belongs to a body if it has the body's id and one of its semantic tags, or none: scenery may have the same
+    number as an actor.
 
     Args:
         pictures: The client's pictures by kind.
         camera: The camera that took them.
         ids: Ids of the actors, in the order of the frame's rows.
+        tags: The actors' semantic tags; an actor without any may have all.
     """
     shape = (camera.height, camera.width, 4)
     colours, codes, instances = (
@@ -126,13 +139,17 @@ def decode(pictures: dict[str, Any], camera: Camera, ids: Sequence[int]) -> Fram
     code = codes[..., _RED] + (codes[..., _GREEN] << 8) + (codes[..., _BLUE] << 16)
     depth = code * (FARTHEST_M / DEPTH_CODES)
     depth[depth >= _SKY_M] = np.inf
-    rows: NDArray[np.int32] = np.zeros(_BODIES, np.int32)
-    for row, number in enumerate(ids, start=1):
-        rows[number % _BODIES] = row
-    shown = rows[instances[..., _GREEN] + (instances[..., _BLUE].astype(np.int32) << 8)]
+    rows: NDArray[np.int32] = np.zeros(_IDS, np.int32)
+    has_tag = np.zeros((len(ids) + 1, 256), np.bool_)
+    for row, (number, own) in enumerate(zip(ids, tags, strict=True), start=1):
+        rows[number % _IDS] = row
+        has_tag[row, [_UNTAGGED, *own] if own else slice(None)] = True
+    row_of = rows[instances[..., _GREEN] + (instances[..., _BLUE].astype(np.int32) << 8)]
+    seen = instances[..., _RED]
+    shown = np.where(has_tag[row_of, seen], row_of, 0)
     return Frame(
-        rgb=np.ascontiguousarray(colours[..., _RED::-1]),
+        rgb=np.ascontiguousarray(colours[..., (_RED, _GREEN, _BLUE)]),
         depth=depth.astype(np.float32),
         ids=shown,
-        tags=np.where(shown > 0, np.uint8(0), instances[..., _RED]),
+        tags=np.where(shown > 0, np.uint8(0), seen),
     )

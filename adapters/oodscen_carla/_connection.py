@@ -12,8 +12,8 @@ from oodscen_carla._cameras import Cameras, decode
 from oodscen_carla._lights import VehicleLight
 from oodscen_carla._weather import WeatherParameters
 
-VERSIONS = ("0.9.15", "0.9.16")
-"""Versions that the adapter accepts, of server and client alike."""
+VERSION = "0.9.16"
+"""Version that the adapter accepts, of server and client alike: the instance pictures of older ones name no actors."""
 _BODIES = ("vehicle.", "walker.", "static.prop.")
 """Beginnings of the ids of all blueprints with a body."""
 _TRIES = 3
@@ -31,6 +31,8 @@ class ServerBody:
     """The client's actor."""
     lift: float
     """Height of the actor's origin above its feet, m."""
+    tags: frozenset[int]
+    """Semantic tags of its pixels; empty if the server names none."""
 
 
 def host_and_port(address: str) -> tuple[str, int]:
@@ -76,10 +78,9 @@ class Connection:
             self._client = carla.Client(host, port, 1)  # One worker thread.
             self._client.set_timeout(timeout_s)
             server, own = self._client.get_server_version(), self._client.get_client_version()
-        if server != own or own not in VERSIONS:
+        if (server, own) != (VERSION, VERSION):
             raise SimulatorError(
-                f"the CARLA server at {address} has version {server}, the client {own}; both must be "
-                f"the same, one of {', '.join(VERSIONS)}"
+                f"the CARLA server at {address} has version {server}, the client {own}; both must be {VERSION}"
             )
         with self._calling("get the world"):
             self._world = self._client.get_world()
@@ -195,7 +196,8 @@ class Connection:
         actor.set_simulate_physics(False)
         box = actor.bounding_box
         is_walker = blueprint.startswith("walker.")
-        return ServerBody(actor.id, actor, box.extent.z - box.location.z if is_walker else 0.0)
+        lift = box.extent.z - box.location.z if is_walker else 0.0
+        return ServerBody(actor.id, actor, lift, frozenset(actor.semantic_tags))
 
     def place(
         self,
@@ -256,7 +258,8 @@ class Connection:
             pictures = cameras.pictures(self._frame, self._timeout_s / _TRIES)
             if pictures is not None:
                 self._is_seen = True
-                return decode(pictures, camera, [body.id for body in bodies])
+                ids, tags = [body.id for body in bodies], [body.tags for body in bodies]
+                return decode(pictures, camera, ids, tags)
             self._tick()
         raise SimulatorError(f"CARLA at {self._address} lost {_TRIES} frames in a row")
 

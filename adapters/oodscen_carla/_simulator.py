@@ -43,7 +43,7 @@ class _Shown(NamedTuple):
 
 
 class CarlaSimulator(MirrorSimulator):
-    """Drives a CARLA server of version 0.9.15 or 0.9.16 in synchronous mode.
+    """Drives a CARLA server of version 0.9.16 in synchronous mode.
 
     The server shows the scenes: it gets the road as OpenDRIVE, a blueprint for every body, the
     poses of each step, the weather, and cameras for colour, depth and instances. Episodes therefore

@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from oodscen.metrics._vectors.space import BaselineSpace
 
 
+_MOST_NAMED = 10
+"""Number of texts that are named as not about driving."""
+
+
 class GroupScore(Data):
     """The OOD-ness of the texts of one path."""
 
@@ -86,6 +90,14 @@ class MetricsReport(Data):
         return f"{self.n:,} {noun} against {self.N:,} of {self.baseline} by {self.encoder}"
 
     @property
+    def _filtered(self) -> str:
+        """The band of the texts in words; empty without one."""
+        if self.band is None:
+            return ""
+        bounds = _bounds(self.band.low, self.band.high)
+        return f"texts of the band {bounds}; below it: {self.band.below}, above: {self.band.above}"
+
+    @property
     def _main(self) -> list[tuple[str, float | None, Interval | None]]:
         """The names, values and intervals of the paper's figures."""
         oodness, diversity = self.oodness, self.diversity
@@ -98,6 +110,7 @@ class MetricsReport(Data):
     def __str__(self) -> str:
         lines = [
             self._compared,
+            *([self._filtered] if self.band else []),
             *([str(self.rarity)] if self.rarity else []),
             *(f"{name:21}  {_figure(value, interval)}" for name, value, interval in self._main),
         ]
@@ -112,17 +125,7 @@ class MetricsReport(Data):
                 f"{self.control.auroc.value:.2f}{_range(self.control.auroc.interval)}"
             )
         if self.off_topic is not None and self.off_topic.flagged:
-            count = len(self.off_topic.flagged)
-            lines.append(
-                f"{count} {'text does' if count == 1 else 'texts do'} not look like driving a car "
-                f"(places {', '.join(map(str, self.off_topic.flagged[:10]))})"
-            )
-        if self.band is not None:
-            lines.insert(
-                1,
-                f"in the band [{self.band.low}, {self.band.high}]; texts below it: {self.band.below}, above: "
-                f"{self.band.above}",
-            )
+            lines.append(_off_topic(self.off_topic.flagged))
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
@@ -149,7 +152,7 @@ class MetricsReport(Data):
                 for name, value, interval in rows
             ),
             head=("", "value", "interval"),
-            caption=self._compared,
+            caption="; ".join(filter(None, (self._compared, self._filtered))),
         )
 
     def keys(self) -> Iterator[str]:
@@ -279,6 +282,21 @@ def _by_group(clusters: Sequence[str] | None, values: Sequence[float]) -> dict[s
         label: GroupScore(n=len(found), oodness=math.fsum(found) / len(found))
         for label, found in members.items()
     }
+
+
+def _bounds(low: float | None, high: float | None) -> str:
+    """Return the bounds of a band in words."""
+    if low is None:
+        return "without bounds" if high is None else f"up to {high}"
+    return f"from {low}" if high is None else f"from {low} to {high}"
+
+
+def _off_topic(flagged: Sequence[int]) -> str:
+    """Return the line about the texts that are not about driving, counted from 1."""
+    count, named = len(flagged), ", ".join(str(index + 1) for index in flagged[:_MOST_NAMED])
+    left = f" and {count - _MOST_NAMED} more" if count > _MOST_NAMED else ""
+    subject, noun = ("text does", "text") if count == 1 else ("texts do", "texts")
+    return f"{count} {subject} not look like driving a car ({noun} {named}{left})"
 
 
 def _figure(value: float | None, interval: Interval | None) -> str:

@@ -5,8 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from oodscen.data._verdict import NOTHING, Verdict
+from oodscen.data._verdict import NOTHING, Protocol
 from oodscen.judging._aspects.labelled import agreement_in_words
+from oodscen.judging._items import last_by
 from oodscen.judging._leaderboard.board import Leaderboard
 from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._leaderboard.paper_example import paper_example
@@ -82,7 +83,7 @@ def context(found: Material, board: Leaderboard, bars: Sequence[Bar] = ()) -> di
         "type_level": level,
         "chart_named": _chart(shown, level, "open", "Aspect named"),
         "chart_safe": _chart(shown, level, "safe", "Safe action chosen"),
-        "confused": _confusions(found.verdicts, board, found),
+        "confused": _confusions(board, found),
         "example": paper_example(),
     }
 
@@ -102,8 +103,8 @@ def _without_repeats(board: Leaderboard) -> list[LeaderboardRow]:
     if alike:
         name = alike[0].model if len(alike) == 1 else f"constant ({len(alike)} alike)"
         floor = board.floor("closed")
-        first = alike[0] if floor not in alike else floor
-        rows.append((first or alike[0]).model_copy(update={"model": name}))
+        kept = floor if floor in alike else alike[0]
+        rows.append(kept.model_copy(update={"model": name}))
     return rows
 
 
@@ -170,25 +171,23 @@ def _bar(rate: Rate | None) -> charts.ScoreBar | None:
     return charts.ScoreBar(rate.hits, rate.n, rate.interval.low, rate.interval.high)
 
 
-def _confusions(verdicts: Sequence[Verdict], board: Leaderboard, found: Material) -> list[Confused]:
+def _confusions(board: Leaderboard, found: Material) -> list[Confused]:
     """Return the confusions of the models, at the level of the charts."""
     level = _level(board)
     labels = {s.leaf: _label(s.path, level) for s in found.scenarios}
-    leaf_of = {s.id: s.leaf for s in found.scenarios}
     names = {s.leaf: s.path[-1] if s.path else s.leaf for s in found.scenarios}
-    rows = []
     order = list(dict.fromkeys(labels.values()))
     place = {label: index for index, label in enumerate(order)}
+    right = _right_choices(found)
+    rows = []
     for row in [row for row in board.standings if row.is_judged][:_MOST_SERIES]:
         counts: Counter[tuple[int, int]] = Counter()
-        for verdict in verdicts:
-            if verdict.model != row.model or verdict.protocol != row.protocol:
-                continue
-            truth, chosen = leaf_of.get(verdict.scene_id), verdict.choice
-            if truth is None or chosen is None:
-                continue
-            column = place.get(labels.get(chosen, ""), len(order))
-            counts[place[labels[truth]], column] += 1
+        for leaf, count in right.get((row.model, row.protocol), {}).items():
+            counts[place[labels[leaf]], place[labels[leaf]]] += count
+        for confusion in row.confusions:
+            if confusion.truth in labels:
+                column = place.get(labels.get(confusion.chosen, ""), len(order))
+                counts[place[labels[confusion.truth]], column] += confusion.count
         if counts:
             top = tuple(
                 (
@@ -204,6 +203,20 @@ def _confusions(verdicts: Sequence[Verdict], board: Leaderboard, found: Material
                 Confused(row.model, charts.confusion(order, counts, len(order)), tuple(order), top)
             )
     return rows
+
+
+def _right_choices(found: Material) -> dict[tuple[str, Protocol], Counter[str]]:
+    """Count the right closed choices of every answerer by the leaf of their scenes.
+
+    An option may stand for several leaves, so it need not name the leaf. Of several answers to a question the last counts.
+    """
+    leaf_of = {s.id: s.leaf for s in found.scenarios}
+    right: dict[tuple[str, Protocol], Counter[str]] = {}
+    for verdict in last_by(found.verdicts, lambda one: (one.model, one.protocol, one.scene_id)):
+        if verdict.choice_is_right and verdict.scene_id in leaf_of:
+            counts = right.setdefault((verdict.model, verdict.protocol), Counter())
+            counts[leaf_of[verdict.scene_id]] += 1
+    return right
 
 
 def _label(path: Sequence[str], level: str) -> str:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
+from oodscen._study_files import picture_of
 from oodscen.data._extents import Measured, measured
 from oodscen.data._motion import ABILITIES, Motion
 from oodscen.data._prop import Prop
@@ -11,7 +12,6 @@ from oodscen.data._scene import Scene
 from oodscen.report import _phrasing as words
 from oodscen.report._charts.frames import FramePicture, picture
 from oodscen.report._load import Material
-from oodscen.stages._making.files import picture_of
 from oodscen.stages._making.looking import UNSEEN, PropLook
 from oodscen.stages._making.making import MadeProp
 from oodscen.stages._making.motions import MadeMotion

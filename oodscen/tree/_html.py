@@ -100,8 +100,10 @@ def notebook_html(tree: "ScenarioTree", most: int = MAX_SHOWN) -> str:
     deepest = max(levels, default=0)
     max_depth = shown[-1] if shown else 0
     hidden = sum(count for depth, count in levels.items() if depth > max_depth)
-    head = f"{len(tree):,} nodes, {len(tree.leaves):,} paths, depth {deepest:,}"
-    head += f"; {hidden:,} nodes below depth {max_depth} are not shown" if hidden else ""
+    head = f"{_counted(len(tree), 'node')}, {_counted(len(tree.leaves), 'path')}, depth {deepest:,}"
+    if hidden:
+        are = "is" if hidden == 1 else "are"
+        head += f"; {_counted(hidden, 'node')} below depth {max_depth} {are} not shown"
     origins, reasons = origin_words(tree), _last_reasons(tree)
     remarks = {
         node.id: Remark(origin=origins.get(node.id, ""), title=reasons.get(node.id, ""))
@@ -130,7 +132,7 @@ _STYLE = """
 
 
 def _branch(node: Node, remark: Remark, paths: int, *, is_open: bool) -> str:
-    count = f'<span class="aside">{paths:,} path{"" if paths == 1 else "s"}</span>'
+    count = f'<span class="aside">{_counted(paths, "path")}</span>'
     return (
         f"<li><details{' open' if is_open else ''}><summary>{_mark(remark)}{_label(node, remark)}"
         f" {count}{_origin(remark)}</summary>\n<ul>"
@@ -143,12 +145,16 @@ def _item(node: Node, remark: Remark, paths: int) -> str:
     if node.attested and not paths:
         parts.append(' <span class="badge paper">paper</span>')
     if paths:
-        parts.append(f' <span class="aside">{paths:,} path{"" if paths == 1 else "s"}</span>')
+        parts.append(f' <span class="aside">{_counted(paths, "path")}</span>')
     parts.append(_origin(remark))
     for heading, text in remark.lines:
         bold = f"<b>{escape(heading)}</b> " if heading else ""
         parts.append(f"\n<small>{bold}<bdi>{escape(text)}</bdi></small>")
     return "".join([*parts, "</li>"])
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count:,} {noun}{'' if count == 1 else 's'}"
 
 
 def _label(node: Node, remark: Remark) -> str:

@@ -6,9 +6,9 @@ import pytest
 
 from oodscen import Study, make_llm
 from oodscen._pipeline import run_study
+from oodscen._study_files import picture_of
 from oodscen.data._motion import Motion
 from oodscen.errors import DataError, UsageError
-from oodscen.stages._making.files import picture_of
 from oodscen.study._made import made_for
 from oodscen.study._stale import refuse_stale
 from tests.motions import TOPPLE

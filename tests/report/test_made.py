@@ -3,6 +3,7 @@
 from lxml import html
 
 from oodscen import Study
+from oodscen._study_files import picture_of
 from oodscen.data._episode import Episode
 from oodscen.data._prop import Prop
 from oodscen.data._scene import Scene
@@ -11,7 +12,6 @@ from oodscen.report._load import Material
 from oodscen.report._made import made_to_order
 from oodscen.report._render import render_part
 from oodscen.report._sections import RenderedPart
-from oodscen.stages._making.files import picture_of
 from oodscen.stages._making.looking import DISTANCES_M, UNSEEN, PropLook, PropView
 from oodscen.stages._making.making import MadeProp
 from oodscen.stages._making.motions import MadeMotion

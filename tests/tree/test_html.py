@@ -1,5 +1,6 @@
 """Outlines for notebooks and pages: every label once, as text, at any depth."""
 
+import re
 from html.parser import HTMLParser
 
 from hypothesis import given
@@ -79,6 +80,14 @@ def test_a_notebook_shows_whole_levels_up_to_a_limit_and_says_so():
     shown = Reader(text).labels
     assert 0 < len(shown) <= MAX_SHOWN
     assert f"{len(tree) - len(shown):,} nodes below depth" in text
+
+
+@few
+@given(trees)
+def test_one_is_told_in_the_singular(tree):
+    told = [tree_html(tree), notebook_html(tree), notebook_html(tree, max(len(tree) - 1, 0))]
+    for count, noun in re.findall(r"([\d,]+) (nodes?|paths?)\b", " ".join(told)):
+        assert noun.endswith("s") == (count != "1")
 
 
 def test_a_page_shows_every_node():

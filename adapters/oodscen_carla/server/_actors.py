@@ -92,6 +92,11 @@ class ServerActor:
         return self.type_id.startswith("vehicle.")
 
     @property
+    def is_walker(self) -> bool:
+        """Return whether its blueprint is a walker's."""
+        return self.type_id.startswith("walker.")
+
+    @property
     def is_sensor(self) -> bool:
         """Return whether it sends data of its own."""
         return self.type_id.startswith("sensor.")

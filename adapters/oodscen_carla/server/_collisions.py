@@ -13,7 +13,7 @@ from oodscen_carla.server._values import Transform
 def collide(
     actors: Iterable[ServerActor], before: Mapping[int, Transform], touched: frozenset[str]
 ) -> list[tuple[ServerActor, ServerActor]]:
-    """Return every vehicle with each thing that it touches; a driven one stops where it would run into something.
+    """Stop every driven vehicle that has run into something, and return every vehicle with each thing that it touches.
 
     Args:
         actors: All actors.
@@ -23,19 +23,43 @@ def collide(
     solid = [actor for actor in actors if actor.is_obstacle and not actor.parent]
     if len(solid) < 2:
         return []
+    contacts: dict[tuple[ServerActor, ServerActor], None] = {}
+    driven = {actor for actor in solid if _is_driven(actor, before)}
+    while True:
+        met = _contacts(solid, touched)
+        contacts |= dict.fromkeys((car, other) for car in met for other in met[car])
+        hit = {car for car in driven if {other.id for other in met[car]} - car.touching}
+        for car in hit:
+            car.place = before[car.id]
+            car.stop()
+        # Where they stand now, something else may have run into them.
+        driven -= hit
+        if not hit:
+            break
+    for car, others in met.items():
+        car.touching = {other.id for other in others}
+    return list(contacts)
+
+
+def _is_driven(actor: ServerActor, before: Mapping[int, Transform]) -> bool:
+    return (
+        actor.is_vehicle and actor.control is not None and actor.has_physics and actor.id in before
+    )
+
+
+def _contacts(
+    solid: Sequence[ServerActor], touched: frozenset[str]
+) -> dict[ServerActor, list[ServerActor]]:
+    """Return the bodies that each vehicle touches."""
     cars = [row for row, actor in enumerate(solid) if actor.is_vehicle]
-    near = _near(solid, cars)
-    contacts: list[tuple[ServerActor, ServerActor]] = []
-    # One car after the other: one that has stopped is no longer in the way of the next.
-    for row, is_near in zip(cars, near, strict=True):
+    found = {}
+    for row, is_near in zip(cars, _near(solid, cars), strict=True):
         car = solid[row]
         if car.staged == "ego":
             is_near |= [actor.staged in touched for actor in solid]
         rivals = [solid[index] for index in np.flatnonzero(is_near) if index != row]
-        server_actors = [other for other in rivals if _touch(car, other, touched)]
-        contacts += [(car, other) for other in server_actors]
-        _react(car, {other.id for other in server_actors}, before)
-    return contacts
+        found[car] = [other for other in rivals if _touch(car, other, touched)]
+    return found
 
 
 def _near(solid: Sequence[ServerActor], cars: Sequence[int]) -> NDArray[np.bool_]:
@@ -44,16 +68,6 @@ def _near(solid: Sequence[ServerActor], cars: Sequence[int]) -> NDArray[np.bool_
     reach = np.array([math.hypot(*actor.blueprint.extent[:2]) for actor in solid])
     apart = np.hypot(*(at[cars, None, axis] - at[None, :, axis] for axis in (0, 1)))
     return np.asarray(apart <= reach[cars][:, None] + reach[None, :])
-
-
-def _react(car: ServerActor, touching: set[int], before: Mapping[int, Transform]) -> None:
-    """Put a driven vehicle that touches something new back to where it was, and stop it."""
-    is_driven = car.control is not None and car.has_physics and car.id in before
-    if touching - car.touching and is_driven:
-        car.place = before[car.id]
-        car.stop()
-    else:
-        car.touching = touching
 
 
 def _touch(car: ServerActor, other: ServerActor, touched: frozenset[str]) -> bool:

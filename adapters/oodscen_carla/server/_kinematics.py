@@ -4,10 +4,12 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from oodscen_carla.server._actors import ServerActor
-from oodscen_carla.server._geometry import rotated
+import numpy as np
+
+from oodscen_carla.server._actors import ServerActor, WalkerControl
+from oodscen_carla.server._geometry import matrix, rotated
 from oodscen_carla.server._roads import ServedMap
-from oodscen_carla.server._values import FARTHEST, Transform
+from oodscen_carla.server._values import FARTHEST, Transform, Vector
 from oodscen_carla.server._vehicles import drive
 
 _HIGHEST_FRICTION = 2.0
@@ -17,24 +19,41 @@ _TURNS_MPS = 1e-6
 """Speed across the ground up to which a walker does not turn, m/s."""
 
 
+class FrictionBox(NamedTuple):
+    """A box with a friction of its own."""
+
+    place: Transform
+    """In the world; its middle."""
+    extent: Vector
+    """Half of its length, width and height, m."""
+    friction: float
+
+    @classmethod
+    def of(cls, trigger: ServerActor, place: Transform) -> "FrictionBox":
+        """Return the box of a trigger that stands at a place in the world."""
+        length, width, height = (trigger.number(f"extent_{axis}", 1.0) / 100.0 for axis in "xyz")
+        friction = max(0.0, min(_HIGHEST_FRICTION, trigger.number("friction", 1.0)))
+        return cls(place, (length, width, height), friction)
+
+    def holds(self, location: Vector) -> bool:
+        """Return whether a point lies in the box."""
+        apart = np.subtract(location, self.place.location)
+        along = matrix(self.place)[:3, :3].T @ apart
+        return bool((np.abs(along) <= self.extent).all())
+
+
 class Surface(NamedTuple):
     """The ground that actors move on."""
 
     map: ServedMap
     friction: float
     """The road's friction."""
-    triggers: Sequence[ServerActor]
-    """The boxes with a friction of their own."""
+    boxes: Sequence[FrictionBox]
 
     def friction_below(self, actor: ServerActor) -> float:
-        """Return the friction below a vehicle: a trigger's, or the road's."""
-        for trigger in self.triggers:
-            reach = [trigger.number(f"extent_{axis}", 1.0) / 100.0 for axis in "xyz"]
-            pairs = zip(actor.place.location, trigger.place.location, strict=True)
-            apart = [abs(a - b) for a, b in pairs]
-            if all(a <= b for a, b in zip(apart, reach, strict=True)):
-                return max(0.0, min(_HIGHEST_FRICTION, trigger.number("friction", 1.0)))
-        return self.friction
+        """Return the friction below a vehicle: that of the first box that holds it, or the road's."""
+        location = actor.place.location
+        return next((box.friction for box in self.boxes if box.holds(location)), self.friction)
 
 
 def move(actor: ServerActor, surface: Surface, dt: float) -> None:
@@ -42,29 +61,31 @@ def move(actor: ServerActor, surface: Surface, dt: float) -> None:
     if actor.parent:
         return
     if actor.constant_velocity is not None:
-        actor.velocity = rotated(actor.constant_velocity, actor.place.rotation[1])
+        velocity = rotated(actor.constant_velocity, actor.place.rotation[1])
+        actor.set_velocity(velocity, actor.constant_velocity[0], dt)
         _shift(actor, dt)
+        if actor.is_vehicle or actor.is_walker:
+            _stand(actor, surface.map)
     elif actor.control is not None and actor.has_physics and actor.is_vehicle:
         drive(actor, actor.control, surface.friction_below(actor), dt)
         _stand(actor, surface.map)
     elif actor.walk is not None:
-        _walk(actor, dt)
+        _walk(actor, actor.walk, dt)
         _stand(actor, surface.map)
     elif actor.has_physics and any(actor.velocity):
         _shift(actor, dt)
 
 
-def _walk(actor: ServerActor, dt: float) -> None:
+def _walk(actor: ServerActor, walk: WalkerControl, dt: float) -> None:
     """Move a walker, and turn it to where it goes."""
-    assert actor.walk is not None
-    pace = actor.walk.speed
-    x, y, z = (pace * part for part in actor.walk.direction)
-    actor.velocity, actor.speed = (x, y, z), pace
+    x, y, z = (walk.speed * part for part in walk.direction)
+    actor.velocity = (x, y, z)
     _shift(actor, dt)
-    if pace > 0.0 and math.hypot(x, y) > _TURNS_MPS:
+    if walk.speed > 0.0 and math.hypot(x, y) > _TURNS_MPS:
         pitch, _, roll = actor.place.rotation
         turned = (pitch, math.degrees(math.atan2(y, x)), roll)
         actor.place = Transform(actor.place.location, turned)
+    actor.speed = rotated(actor.velocity, -actor.place.rotation[1])[0]
 
 
 def _shift(actor: ServerActor, dt: float) -> None:

@@ -26,7 +26,7 @@ from oodscen_carla.server._blueprints import (
 from oodscen_carla.server._cameras import PicturedBody
 from oodscen_carla.server._collisions import collide
 from oodscen_carla.server._geometry import OrientedBox, mounted, rotated
-from oodscen_carla.server._kinematics import Surface, move
+from oodscen_carla.server._kinematics import FrictionBox, Surface, move
 from oodscen_carla.server._roads import RECEIVED, ServedMap
 from oodscen_carla.server._staging import HERO, ServedScene, carla_place
 from oodscen_carla.server._values import (
@@ -361,8 +361,12 @@ class World:
         self.frame += 1
         self.time += dt
         before = {}
-        triggers = [actor for actor in self.actors.values() if actor.type_id == FRICTION_TRIGGER]
-        surface = Surface(self.map, self.friction, triggers)
+        boxes = [
+            FrictionBox.of(actor, self.place_of(actor))
+            for actor in self.actors.values()
+            if actor.type_id == FRICTION_TRIGGER
+        ]
+        surface = Surface(self.map, self.friction, boxes)
         for actor in self.actors.values():
             if actor.is_placed:
                 actor.placings += 1

@@ -6,12 +6,11 @@ from typing import Any, TypeVar
 from oodscen._jpeg import to_jpeg
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.models import is_asked
-from oodscen._study_files import ASSETS, MOTIONS
+from oodscen._study_files import ASSETS, MOTIONS, picture_of
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._motion import Motion
 from oodscen.errors import DataError, Issue
-from oodscen.stages._making.files import picture_of
 from oodscen.stages._making.looking import ShownProp, views_of
 from oodscen.stages._making.making import MadeProp, PropMaker, judged_again, wanted_things
 from oodscen.stages._making.motions import MotionMaker, made_motions, wanted_motions

@@ -4,29 +4,44 @@ import re
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, ConfigDict, Field
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
-from oodscen.data._base import Data
+from oodscen.data._base import Data, no_truth_value
 from oodscen.data._category import Category
 from oodscen.data._details import Details
 from oodscen.tree._scenario_tree import MAX_LABEL
 
 
 def _as_range(value: Any) -> Any:
+    no_truth_value(value)
     return (value, value) if isinstance(value, (int, float)) else value
 
 
 def _as_choice(value: Any) -> Any:
+    no_truth_value(value)
     return (value,) if isinstance(value, (int, str)) else value
 
 
-Range = Annotated[tuple[float, float], BeforeValidator(_as_range)]
+def _not_backward(value: Any) -> Any:
+    if isinstance(value, tuple) and value[0] > value[1]:
+        raise ValueError(f"{value[0]:g} is more than {value[1]:g}")
+    return value
+
+
+Number = Annotated[float, BeforeValidator(no_truth_value)]
+Whole = Annotated[int, BeforeValidator(no_truth_value)]
+_Limits = Annotated[tuple[Number, Number], BeforeValidator(_as_range)]
+_NOT_BACKWARD = AfterValidator(_not_backward)
+"""Checks a range or what may stand in its place; outside a union, so that its fault has the field's path."""
+Range = Annotated[_Limits, _NOT_BACKWARD]
 """Lower and upper limit; a single number stands for both."""
-Drawn = Range | Literal["ego"]
+Drawn = Annotated[_Limits | Literal["ego"], _NOT_BACKWARD]
 """A range to draw from; `ego` stands for the ego's speed."""
+RangeOrWord = Annotated[_Limits | str, _NOT_BACKWARD]
+"""A range to draw from, or a word."""
 Names = Annotated[tuple[str, ...], BeforeValidator(_as_choice)]
 """One or several names to choose from."""
-Lanes = Annotated[tuple[int, ...], BeforeValidator(_as_choice)]
+Lanes = Annotated[tuple[Whole, ...], BeforeValidator(_as_choice)]
 """One or several lanes to choose from, counted to the left of the ego's."""
 
 ClassName = Literal["environmental", "interactional"]
@@ -62,7 +77,7 @@ class Counterpart(Data):
     asset: Names | None = None
     ahead: Range | None = None
     """Distance ahead of the ego's start in the twin, m; of the recipe's anchor in a variant."""
-    lane: int | None = None
+    lane: Whole | None = None
     """Lane, counted to the left of the ego's."""
     offset: Range | None = None
     """Offset to the left of the lane's centre, m."""
@@ -115,11 +130,11 @@ class RecipeActor(Data):
     """True if the actor is part of the unusual event."""
     ordinary: Literal["remove"] | Counterpart = "remove"
     """Differences of the actor in the ordinary twin; by default the twin does not have it."""
-    count: int = Field(default=1, ge=1, le=40)
+    count: Whole = Field(default=1, ge=1, le=40)
     """Number of actors; if there are several, they are called `<id>-1`, `<id>-2` ..."""
-    spread_ahead: float = 0.0
+    spread_ahead: Number = 0.0
     """Spacing along the road, m."""
-    spread_offset: float = 0.0
+    spread_offset: Number = 0.0
     """Spacing to the left, m."""
 
     @property
@@ -146,7 +161,7 @@ class Recipe(Data):
     """Speed of the ego, m/s."""
     decision: RecipeTrigger
     """The moment at which the ego must choose an action."""
-    horizon: float = 8.0
+    horizon: Number = 8.0
     """Duration from the decision to the end, s."""
     ego_lane: Literal["right", "any", "mirror"] = "right"
     """Permitted starting lanes of the ego: the rightmost, any, or the leftmost with everything
@@ -155,14 +170,14 @@ class Recipe(Data):
     company: bool | Literal["follower"] = True
     """True if ordinary traffic may drive beside the ego, behind it or towards it; with `follower`,
     a vehicle always drives close behind."""
-    width: float = Field(default=0.0, ge=0.0)
+    width: Number = Field(default=0.0, ge=0.0)
     """Width of the obstacle, m. If it is given and nothing moves, some decisions come so late that
     only a lane change helps, not braking."""
     variants: tuple[Variant, ...] = ()
     """Variants for certain texts, of which the first that fits applies."""
-    weather: dict[str, Range | str] = {}
+    weather: dict[str, RangeOrWord] = {}
     """Fields of `oodscen.data._scene.Weather`, if the weather is the hazard."""
-    ordinary_weather: dict[str, float | str] = {}
+    ordinary_weather: dict[str, Number | str] = {}
     """Values of these fields in the ordinary twin."""
     actors: tuple[RecipeActor, ...] = ()
     """The actors, in an order in which each follows its anchor."""
@@ -261,7 +276,7 @@ class Conditions(Data):
     """Clauses, such as `It is raining`."""
     words: tuple[str, ...] = ()
     """Words by which texts name it."""
-    weather: dict[str, Range | str] = {}
+    weather: dict[str, RangeOrWord] = {}
     """Fields of `oodscen.data._scene.Weather`, with ranges to draw from."""
 
 
@@ -334,13 +349,13 @@ class AmbientTraffic(Data):
 
     side: Literal["left", "right", "oncoming", "behind"]
     """Its position relative to the ego."""
-    share: float = Field(ge=0.0, le=1.0)
+    share: Number = Field(ge=0.0, le=1.0)
     """Share of the scenes with room for this traffic in which it appears."""
     asset: Names
     """Ids of the assets that it may be."""
     gap: Range
     """Distance ahead of the ego at the decision, m; for a follower, the time gap at the start, s."""
-    speed: Range | Literal["ego"] = "ego"
+    speed: Drawn = "ego"
     """Speed, m/s; `ego` stands for the ego's."""
     parameters: dict[str, Range] = {}
     """Further parameters of the behaviour, such as the following distance."""

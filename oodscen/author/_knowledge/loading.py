@@ -1,7 +1,6 @@
 """Loading of the knowledge base: the shipped TOML files and a user's own, with all their faults."""
 
 import re
-import tomllib
 from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from functools import cache, lru_cache
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from oodscen._files import read_utf8, unreadable
+from oodscen._toml import parse_toml
 from oodscen.author._knowledge.base import (
     AmbientTraffic,
     BackgroundTraffic,
@@ -59,7 +59,7 @@ class KnowledgeFiles:
         """Add the content of a file."""
         try:
             content = _content(text)
-        except (tomllib.TOMLDecodeError, RecursionError) as error:
+        except ValueError as error:
             self.issues.append(Issue(name, str(error)))
             return
         for key, value in content.items():
@@ -165,7 +165,7 @@ def _field(path: str) -> str:
 
 
 def _set_aside(entry: dict[str, Any], path: str) -> None:
-    """Remove the target of a path; in a list of names, a placeholder replaces it."""
+    """Remove the target of a path; a placeholder replaces a name in a list, and a backward range is turned round."""
     steps: list[str | int] = [
         int(step[1:-1]) if step.startswith("[") else step
         for step in re.findall(r"\[\d+\]|[^.\[\]]+", path)
@@ -177,15 +177,22 @@ def _set_aside(entry: dict[str, Any], path: str) -> None:
         except (KeyError, IndexError, TypeError):
             return
     if steps and isinstance(inner, dict):
-        inner.pop(steps[-1], None)
+        target = inner.pop(steps[-1], None)
+        if _is_backward(target):
+            inner[steps[-1]] = target[::-1]
     elif steps and isinstance(inner, list) and isinstance(steps[-1], int):
         inner[steps[-1]] = f"Without a name {steps[-1]}"
+
+
+def _is_backward(value: Any) -> bool:
+    is_pair = isinstance(value, list) and len(value) == 2
+    return is_pair and all(isinstance(end, (int, float)) for end in value) and value[0] > value[1]
 
 
 @lru_cache(maxsize=8)
 def _content(text: str) -> Mapping[str, Any]:
     """Return the parsed content of a file. Cached: every load of a user's file re-reads the shipped files."""
-    return tomllib.loads(text)
+    return parse_toml(text)
 
 
 def _lines(text: str, key: str) -> list[int]:

@@ -161,19 +161,3 @@ def _recipe_faults(recipe: Recipe) -> Iterable[Issue]:
         for key in getattr(recipe, field):
             if key not in Weather.model_fields:
                 yield Issue(f"stage.{field}.{key}", "is not a field of the weather")
-    for path, low, high in _ranges(recipe):
-        if low > high:
-            yield Issue(f"stage.{path}", f"{low:g} is more than {high:g}")
-
-
-def _ranges(recipe: Recipe) -> Iterable[tuple[str, float, float]]:
-    yield ("speed", *recipe.speed)
-    yield ("decision.value", *recipe.decision.value)
-    for index, actor in enumerate(recipe.actors):
-        for field in ("ahead", "offset", "heading_deg"):
-            yield (f"actors[{index}].{field}", *getattr(actor, field))
-        yield (f"actors[{index}].trigger.value", *actor.trigger.value)
-        for name, limits in actor.parameters.items():
-            if limits == "ego":
-                continue
-            yield (f"actors[{index}].parameters.{name}", *limits)

@@ -82,7 +82,7 @@ def held_out_scores(vectors: Vectors, seed: int = 0) -> tuple[NDArray[np.float64
 
 
 def separate_groups(vectors: Vectors) -> NDArray[np.int64]:
-    """Return the groups of similar rows, [n]; if all fall into one, each row is a group of its own."""
+    """Return [n] groups of similar rows; if all fall into one, each row is a group of its own."""
     group = like_groups(vectors)
     return group if group.any() else np.arange(len(vectors))
 
@@ -96,10 +96,9 @@ def like_groups(vectors: Vectors, threshold: float = _ALIKE) -> NDArray[np.int64
     for first in range(0, n, _STEP):
         block = vectors[first : first + _STEP]
         if count:
-            cosines = block @ leaders[:count].T
-            place = cosines.argmax(axis=1)
-            near = cosines[np.arange(len(block)), place] >= threshold
-            group[first : first + _STEP][near] = place[near]
+            near = block @ leaders[:count].T >= threshold
+            joins = near.any(axis=1)
+            group[first : first + _STEP][joins] = near.argmax(axis=1)[joins]
         among = block @ block.T
         start = count
         fresh: list[int] = []

@@ -7,7 +7,6 @@ occurrence. A scenario's text is of the last kind. Fewer than six anchors, or su
 offset alone.
 """
 
-import tomllib
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -22,6 +21,7 @@ from oodscen._arguments import instances_of
 from oodscen._display import cut
 from oodscen._files import read_utf8
 from oodscen._text import folded_words
+from oodscen._toml import parse_toml
 from oodscen.baselines._texts import bundled
 from oodscen.data._base import Data
 from oodscen.errors import DataError, Issue
@@ -141,8 +141,8 @@ def anchored(
 
 def _rates(content: str, source: str) -> tuple[PublishedRate, ...]:
     try:
-        table = tomllib.loads(content)
-    except (ValueError, RecursionError) as error:
+        table = parse_toml(content)
+    except ValueError as error:
         raise DataError(
             "file of rates", [Issue("", f"is not TOML: {error}")], source=source
         ) from None

@@ -198,9 +198,8 @@ def _draw_circles(axes: Any, circles: Sequence[Element], points: float, order: i
 def _draw_texts(axes: Any, texts: Sequence[Element], points: float, order: int) -> None:
     for text in texts:
         style = _styled(text, _TEXTS, points)
-        axes.text(
-            *_numbers(text, "x", "y"), text.text, fontsize=_FONT * points, zorder=order, **style
-        )
+        style |= {"fontsize": _FONT * points, "zorder": order, "parse_math": False}
+        axes.text(*_numbers(text, "x", "y"), text.text, **style)
 
 
 _DRAW: dict[str, Callable[[Any, Sequence[Element], float, int], None]] = {

@@ -4,7 +4,7 @@ The report draws the same pictures from the figures of a study. Needs the extra 
 """
 
 from collections.abc import Mapping, Sequence, Sized
-from typing import TYPE_CHECKING, Any, Literal, TypeVar, get_args
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from oodscen._arguments import checked
 from oodscen._numbers import said, whole_number
 from oodscen._text import text_fault
 from oodscen.encoders._similarity import Vectors
-from oodscen.errors import UnknownComponent, UsageError
+from oodscen.errors import UsageError
 from oodscen.metrics._measurements import size_curve_of
 from oodscen.metrics._vectors.axes import principal_axes
 from oodscen.report._charts.sets import (
@@ -76,13 +76,13 @@ def plot(
     for name in sets:
         if fault := text_fault(name):
             raise UsageError(f"the name of a set, {said(name)}, {fault}")
+    if fault := text_fault(label):
+        raise UsageError(f"the label {fault}")
     if kind == "distribution":
         return _distributions(sets, label)
     if kind == "size_curve":
         return _size_curve(sets, repeats=repeats, seed=seed)
-    if kind == "map":
-        return _embedding_map(sets, reference=reference)
-    raise UnknownComponent("plot", kind, get_args(PlotKind))
+    return _embedding_map(sets, reference=reference)
 
 
 def _distributions(sets: Named, label: str) -> "Figure":
@@ -131,16 +131,20 @@ def _numbers(name: str, values: Any, axes: int) -> NDArray[Any]:
         UsageError: If it is anything else.
     """
     try:
-        found = np.asarray(values)
-        is_sound = found.dtype.kind in "iuf" and found.ndim == axes and found.size > 0
-        is_sound = is_sound and bool((np.abs(found) <= _LARGEST).all())
+        given = np.asarray(values)
+        is_sound = given.dtype.kind in "iuf" and given.ndim == axes and given.size > 0
     except (TypeError, ValueError):
         is_sound = False
+    if is_sound:
+        # In the given type the limit may be infinite, or the least number have no absolute value.
+        with np.errstate(over="ignore"):
+            found = given.astype(np.float64)
+        is_sound = bool((np.abs(found) <= _LARGEST).all())
     if not is_sound:
         wanted = "scores" if axes == 1 else "vectors, [n, d]"
         limit = f"all of them finite numbers up to {_LARGEST:g}"
         raise UsageError(f"the set {name!r} must be {wanted}, {limit}")
-    return found if found.dtype.kind == "f" else found.astype(np.float64)
+    return given if given.dtype == np.float32 else found
 
 
 def _filled(sets: Mapping[str, T]) -> Mapping[str, T]:

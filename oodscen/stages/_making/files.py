@@ -1,23 +1,19 @@
 """Reading designs from files, folders and studies."""
 
-import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from oodscen._files import read_utf8
 from oodscen._json import object_lines
-from oodscen._study_files import ASSETS, PICTURES
+from oodscen._study_files import ASSETS, TABLES
+from oodscen._toml import parse_toml
 from oodscen.data._prop import Prop
 from oodscen.errors import DataError, Issue
 from oodscen.stages._making.making import MadeProp
 
-_SCENES = "scenes.jsonl"
-
-
-def picture_of(name: str) -> str:
-    """Return the file of a study that shows a thing."""
-    return f"{PICTURES}/{name}.jpg"
+_STUDY_TABLES = (ASSETS, TABLES["scenes"])
+"""The files of a study that hold designs, of which a folder's first is read."""
 
 
 class Designs(NamedTuple):
@@ -27,63 +23,115 @@ class Designs(NamedTuple):
     unmade: list[str]
 
 
+class _Entry(NamedTuple):
+    """One entry of a file, not yet checked."""
+
+    source: str
+    value: Any
+    kind: type[Prop] | type[MadeProp] = Prop
+    fault: str = ""
+    """The reason why its text cannot be read; empty if it can."""
+
+    def parse(self) -> Prop | MadeProp:
+        """Return the design, or what is known of a thing without one.
+
+        Raises:
+            DataError: If it is neither.
+        """
+        if self.fault:
+            raise DataError(Prop.noun, [Issue("", self.fault)], source=self.source)
+        return self.kind.parse(self.value, source=self.source)
+
+
 def read_props(path: Path) -> Designs:
     """Return the designs in a JSON, JSON Lines or TOML file, in a folder of them, or in a study.
 
     A TOML file holds one table per design, named by its id. A line may hold a design or, as in a study's
-    `assets.jsonl`, have it as its member `prop`, which is `null` if the thing could not be made. Of designs with the
-    same id the first counts.
+    `assets.jsonl`, have it as its member `prop`, which is `null` if the thing could not be made; or a scene, with the
+    designs that it carries. Of designs with the same id the first counts.
 
     Raises:
-        DataError: When a file cannot be read or holds no valid design; it lists all faults.
+        DataError: When a file cannot be read, or holds no valid design; it lists the faults of all designs.
     """
     found: dict[str, Prop] = {}
     unmade: dict[str, None] = {}
-    for source, value in _values(path):
-        if isinstance(value, MadeProp):
-            unmade[value.id] = None
+    issues: list[Issue] = []
+    for entry in _entries(path):
+        try:
+            one = entry.parse()
+        except DataError as error:
+            place = entry.source.removeprefix(str(path)).lstrip("/, ")
+            issues += [_placed(place, issue) for issue in error.issues]
             continue
-        prop = Prop.parse(value, source=source)
-        found.setdefault(prop.id, prop)
+        if isinstance(one, MadeProp):
+            unmade[one.id] = None
+        else:
+            found.setdefault(one.id, one)
     left = [name for name in unmade if name not in found]
-    if not found:
+    if not found and not issues:
         told = f"; could not be made: {', '.join(left)}" if left else ""
-        raise DataError(Prop.noun, [Issue("", f"no design found{told}")], source=str(path))
+        issues.append(Issue("", f"no design found{told}"))
+    if issues:
+        raise DataError(Prop.noun, issues, source=str(path))
     return Designs(list(found.values()), left)
 
 
-def _values(path: Path) -> Iterator[tuple[str, Any]]:
+def _placed(place: str, issue: Issue) -> Issue:
+    """Return an issue with the place of its design."""
+    return Issue(": ".join(filter(None, (place, issue.path))), issue.message)
+
+
+def _entries(path: Path) -> Iterator[_Entry]:
     if path.is_dir():
-        if (path / ASSETS).is_file():
-            yield from _values(path / ASSETS)
-        elif (path / _SCENES).is_file():
-            yield from _values(path / _SCENES)
-        else:
-            for one in sorted(path.iterdir()):
-                if one.suffix in (".json", ".jsonl", ".toml") and one.is_file():
-                    yield from _values(one)
+        for file in _files(path):
+            yield from _entries(file)
         return
     source, text = str(path), read_utf8(path, Prop.noun)
     if path.suffix == ".toml":
-        try:
-            tables = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as error:
-            raise DataError(
-                Prop.noun, [Issue("", f"is not valid TOML: {error}")], source=source
-            ) from None
-        for name, table in tables.items():
-            yield f"{source}, {name}", {"id": name, **table} if isinstance(table, dict) else table
+        yield from _tables(source, text)
     elif path.suffix == ".jsonl":
-        for number, line in object_lines(text.encode()):
-            here = f"{source}, line {number}"
-            if isinstance(line, ValueError):
-                raise DataError(Prop.noun, [Issue("", f"is not valid JSON: {line}")], source=here)
-            made = line.get("made")
-            if isinstance(made, list):
-                yield from ((here, one) for one in made)
-            elif "prop" in line and line["prop"] is None:
-                yield here, MadeProp.parse(line, source=here)
-            elif "parts" in line or "prop" in line:
-                yield here, line.get("prop", line)
+        # The last line of a study's own file may have been cut off, since its writer was killed.
+        whole = text if path.name in _STUDY_TABLES else f"{text}\n"
+        for number, line in object_lines(whole.encode()):
+            yield from _of_line(f"{source}, line {number}", line)
     else:
-        yield source, text
+        yield _Entry(source, text)
+
+
+def _files(folder: Path) -> list[Path]:
+    """Return the file of a study that holds its designs, or all files of another folder."""
+    for name in _STUDY_TABLES:
+        if (folder / name).is_file():
+            return [folder / name]
+    kinds = (".json", ".jsonl", ".toml")
+    return sorted(one for one in folder.iterdir() if one.suffix in kinds and one.is_file())
+
+
+def _tables(source: str, text: str) -> Iterator[_Entry]:
+    """Yield the designs of a TOML document."""
+    try:
+        tables = parse_toml(text)
+    except ValueError as error:
+        yield _Entry(source, None, fault=f"is not valid TOML: {error}")
+        return
+    for name, table in tables.items():
+        here = f"{source}, {name}"
+        if not isinstance(table, dict):
+            yield _Entry(here, table)
+        elif (own := table.get("id", name)) != name:
+            yield _Entry(here, table, fault=f"the table has the id {own!r}, which must be its name")
+        else:
+            yield _Entry(here, {"id": name, **table})
+
+
+def _of_line(here: str, line: dict[str, Any] | ValueError) -> Iterator[_Entry]:
+    """Yield the designs of a line; a scene may have none."""
+    if isinstance(line, ValueError):
+        yield _Entry(here, None, fault=f"is not valid JSON: {line}")
+    elif isinstance(made := line.get("made"), list):
+        yield from (_Entry(here, one) for one in made)
+    elif "prop" in line:
+        prop = line["prop"]
+        yield _Entry(here, line, MadeProp) if prop is None else _Entry(here, prop)
+    elif "scenario_id" not in line:
+        yield _Entry(here, line)

@@ -183,7 +183,7 @@ def test_a_missing_server_and_other_versions_are_refused(server, monkeypatch):
     for address in ("localhost", "host:port", "host:99999", ":2000"):
         with pytest.raises(UsageError, match="host:port"):
             CarlaSimulator(address)
-    monkeypatch.setattr(connection, "VERSIONS", ("0.9.14",))
+    monkeypatch.setattr(connection, "VERSION", "0.9.14")
     with pytest.raises(SimulatorError, match=r"version 0\.9\.16"):
         CarlaSimulator(server.address).reset(example_on_town(), 0)
 

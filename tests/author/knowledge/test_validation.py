@@ -82,13 +82,88 @@ def test_every_fault_is_reported_with_file_and_path(tmp_path: Path) -> None:
     assert len(caught.value.issues) >= 6
 
 
-@pytest.mark.parametrize("text", ["not toml at all [", "\xff"])
+@pytest.mark.parametrize(
+    "text",
+    ["not toml at all [", "\xff", "x = " + "1" * 5_000, "x = " + "[" * 5_000 + "]" * 5_000],
+    ids=["syntax", "bytes", "digits", "depth"],
+)
 def test_an_unreadable_file_is_one_typed_error(tmp_path: Path, text: str) -> None:
     path = tmp_path / "own.toml"
     path.write_bytes(text.encode("latin-1"))
     with pytest.raises(DataError):
         load_knowledge(path)
     assert validate_knowledge(path)
+
+
+RECIPE = """
+[hazard.stage]
+speed = [8.0, 12.0]
+decision = { kind = "ttc", value = [3.0, 4.0] }
+[[hazard.stage.actors]]
+id = "piano"
+asset = "piano"
+ahead = [50.0, 60.0]
+lane = 0
+meets = [1.0, 5.0]
+parameters = { speed = [1.0, 2.0] }
+ordinary = { ahead = [10.0, 90.0], lane = 1, parameters = { gap = [1.0, 9.0] } }
+[[hazard.stage.variants]]
+words = "black"
+actors = { piano = { offset = [-2.0, 2.0] } }
+[[place]]
+key = "quay"
+traits = []
+speed = [2.0, 30.0]
+phrases = ["on a quay"]
+[[condition]]
+key = "haze"
+phrases = ["in haze"]
+weather = { fog_visual_range_m = [100.0, 900.0] }
+[[company]]
+side = "left"
+share = 0.5
+asset = "car"
+gap = [20.0, 40.0]
+speed = [3.0, 7.0]
+"""
+RANGES = (
+    *("speed = [8.0, 12.0]", "value = [3.0, 4.0]", "ahead = [50.0, 60.0]", "meets = [1.0, 5.0]"),
+    *("speed = [1.0, 2.0]", "ahead = [10.0, 90.0]", "gap = [1.0, 9.0]", "offset = [-2.0, 2.0]"),
+    *("speed = [2.0, 30.0]", "fog_visual_range_m = [100.0, 900.0]", "gap = [20.0, 40.0]"),
+    "speed = [3.0, 7.0]",
+)
+
+
+def faults_of(path: Path, text: str) -> list[str]:
+    path.write_text(GOOD + text)
+    return [str(issue) for issue in validate_knowledge(path)]
+
+
+@pytest.mark.parametrize("written", RANGES)
+def test_a_range_that_runs_backwards_is_refused_wherever_it_stands(
+    tmp_path: Path, written: str
+) -> None:
+    path = tmp_path / "own.toml"
+    assert faults_of(path, RECIPE) == []
+    field, low, high = written.replace("[", "").replace("]", "").replace(",", " =").split(" = ")
+    faults = faults_of(path, RECIPE.replace(written, f"{field} = [{high}, {low}]"))
+    (fault,) = [fault for fault in faults if "is more than" in fault]
+    assert f"{field}: {float(high):g} is more than {float(low):g}" in fault
+    with pytest.raises(DataError):
+        load_knowledge(path)
+
+
+@pytest.mark.parametrize(
+    "written", [*RANGES, "lane = 0", "lane = 1", "share = 0.5", "[3.0", "[-2.0", "[100.0"]
+)
+def test_true_is_no_number(tmp_path: Path, written: str) -> None:
+    path = tmp_path / "own.toml"
+    field, equals, _ = written.partition(" = ")
+    replaced = f"{field} = true" if equals else "[true"
+    assert any(
+        "must not be true or false" in fault
+        for fault in faults_of(path, RECIPE.replace(written, replaced))
+    )
 
 
 def test_the_manual_counts_right(knowledge: Knowledge) -> None:

@@ -38,6 +38,24 @@ def test_groups_are_numbered_in_order_and_alike_within():
         assert (rows[group == g] @ rows[leader]).min() >= 0.9 - 1e-6
 
 
+def joined(rows, threshold: float) -> list[int]:
+    """Return each row's group by the definition: it joins the first leader that it resembles."""
+    leaders, group = [], []
+    for row in rows:
+        near = [place for place, leader in enumerate(leaders) if row @ leader >= threshold]
+        group.append(near[0] if near else len(leaders))
+        leaders += [] if near else [row]
+    return group
+
+
+@settings(deadline=None, max_examples=20)
+@given(st.sampled_from([0, 1, 511, 512, 513, 1030]), st.integers(0, 2**32 - 1))
+def test_a_row_joins_the_first_leader_that_it_resembles(size, seed):
+    # Products of small whole numbers are exact in whatever blocks they are taken.
+    rows = np.random.default_rng(seed).integers(-3, 4, size=(size, 4)).astype(np.float32)
+    assert like_groups(rows, 14.0).tolist() == joined(rows, 14.0)
+
+
 def test_text_like_the_baseline_is_not_called_odd():
     texts = [f"{a} {b} {c}" for a in "abcdefgh" for b in "ijklmnop" for c in "qrstuv"]
     metrics = Metrics(HashEncoder(), texts[::2])

@@ -1,7 +1,10 @@
+import io
 import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from oodscen.encoders._similarity import unit
 from oodscen.errors import UsageError
@@ -60,7 +63,16 @@ def test_nothing_to_draw_is_refused():
         plot({"a": rows(0, 1)}, "size_curve")
     with pytest.raises(UsageError):
         plot({"a": rows(0, 3)}, "map", reference="b")
-    for bad in ([math.nan], ["x"], ["1"], [True], [1e13], np.ones((2, 3)), [[1.0], [1.0, 2.0]]):
+    for bad in (
+        [math.nan],
+        ["x"],
+        ["1"],
+        [True],
+        [1j],
+        [1e13],
+        np.ones((2, 3)),
+        [[1.0], [1.0, 2.0]],
+    ):
         with pytest.raises(UsageError, match="scores"):
             plot({"a": bad})
     for bad in (np.full((4, 3), math.nan), np.ones(4), ["x", "y"], np.ones((2, 0))):
@@ -71,6 +83,47 @@ def test_nothing_to_draw_is_refused():
         plot({"a": rows(0, 3), "b": rows(0, 3)[:, :2]}, "map")
     with pytest.raises(UsageError, match="UTF-8"):
         plot({"\ud800": [1.0]})
+    with pytest.raises(UsageError, match=r"label .*UTF-8"):
+        plot({"a": [1.0]}, label="\ud800")
+    with pytest.raises(UsageError, match="heatmap"):
+        plot({"a": [1.0]}, "heatmap")
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        [-(2**63)],
+        [2**63],
+        np.array([-(2**63)]),
+        np.array([math.inf, 1.0], np.float16),
+        np.array([-math.inf], np.float32),
+        np.longdouble("1e400"),
+        np.array([np.longdouble("1e400")]),
+    ],
+    ids=repr,
+)
+def test_numbers_beyond_what_can_be_drawn_are_refused(bad):
+    with pytest.raises(UsageError):
+        plot({"a": bad})
+
+
+def test_half_precision_is_drawn_as_it_is():
+    halves = np.array([0.25, 0.5, 1.0], np.float16)
+    assert words(plot({"a": halves})) == words(plot({"a": halves.astype(float)}))
+    vectors = np.eye(3, dtype=np.float16)
+    assert words(plot({"a": vectors}, "map")) == words(plot({"a": vectors.astype(float)}, "map"))
+
+
+@settings(deadline=None, max_examples=20)
+@given(
+    st.sampled_from(("$\\bad$", "$x$ cost $y$", "a_b^c", "\\frac", "$")),
+    st.text(st.characters(min_codepoint=32, max_codepoint=126), min_size=1, max_size=12),
+)
+def test_names_and_labels_are_words_and_no_mathematics(name, label):
+    figure = plot({name: [1.0]}, label=label)
+    assert {name, label} <= set(words(figure))
+    figure.savefig(io.BytesIO())
+    assert not any(text.get_parse_math() for text in figure.axes[0].texts)
 
 
 def test_options_of_another_kind_or_beyond_their_range_are_refused():
