@@ -6,7 +6,7 @@ from oodscen.driving._roads.corridor import Structure
 from oodscen_pybullet._land.course import RoadCourse
 from oodscen_pybullet._land.ground import Ground
 from oodscen_pybullet._land.land import WIDE_M
-from oodscen_pybullet._land.relief import BANK_M, KERB, PORTAL_M, VALLEY_M
+from oodscen_pybullet._land.relief import BANK_M, KERB_HEIGHT_M, PORTAL_M, VALLEY_M
 from oodscen_pybullet._land.ribbons import Ribbons
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.mesh import Mesh
@@ -52,8 +52,8 @@ def _tunnel(
     ribbons.band(far, inner_left, "tunnel", heights=(high, top))
     ribbons.band(inner_left, inner_right, "tunnel_dark", heights=(top, top))
     ribbons.band(inner_right, near, "tunnel", heights=(top, high))
-    ribbons.band(near, right, "tunnel_light", heights=(KERB, KERB))
-    ribbons.band(left, far, "tunnel_light", heights=(KERB, KERB))
+    ribbons.band(near, right, "tunnel_light", heights=(KERB_HEIGHT_M, KERB_HEIGHT_M))
+    ribbons.band(left, far, "tunnel_light", heights=(KERB_HEIGHT_M, KERB_HEIGHT_M))
     mesh = MeshBuilder()
     for s in np.arange(one.start + 3.0, one.end, _LAMP_GAP).tolist():
         t0 = float(np.interp(s, line.s, inner_right))
@@ -147,7 +147,7 @@ def _bridge(ground: Ground, line: RoadCourse, right: Array, left: Array) -> list
     """Return deck edges, railings, piers and the water below."""
     ribbons = Ribbons(line)
     deck = 0.45
-    high = KERB if ground.ego.has_kerb else 0.02
+    high = KERB_HEIGHT_M if ground.ego.has_kerb else 0.02
     ribbons.band(right - deck, right, "concrete", heights=(high, high))
     ribbons.band(left, left + deck, "concrete", heights=(high, high))
     ribbons.band(right - deck - 1e-4, right - deck, "concrete_dark", heights=(-1.3, high))

@@ -180,11 +180,11 @@ def test_a_roundabouts_middle_is_an_island() -> None:
     road = next(road for road in SHIPPED_MAPS if road.id == "roundabout")
     _, scenery = built(road)
     islands = scenery.terrain.islands
-    assert len(islands.middles) == 1
-    x, y, radius = islands.middles[0]
+    assert len(islands.circles) == 1
+    x, y, radius = islands.circles[0]
     assert radius > 5.0
     assert islands.covers(np.array([[x, y]])).all()
-    assert not built(SHIPPED_MAPS[0])[1].terrain.islands.middles
+    assert not built(SHIPPED_MAPS[0])[1].terrain.islands.circles
 
 
 @pytest.mark.parametrize(
