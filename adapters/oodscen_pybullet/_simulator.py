@@ -22,7 +22,7 @@ from oodscen_pybullet._contacts import Bodies
 from oodscen_pybullet._engine import load_pybullet
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shelter import Portal, Shelter
-from oodscen_pybullet._meshes import Mesh, asset_ids, learned
+from oodscen_pybullet._meshes import Mesh, asset_ids, register_design
 from oodscen_pybullet._meshes.atlas import Snow
 from oodscen_pybullet._meshes.mesh import Lamp
 from oodscen_pybullet._meshes.tilting import tilt_of
@@ -94,7 +94,7 @@ class PyBulletSimulator(MirrorSimulator):
             self._bodies = Bodies(self._engine)
         self._bodies.clear()
         self._loaded = (corridor, scene, seed)
-        self._made = {prop.id: learned(prop) for prop in scene.made}
+        self._made = {prop.id: register_design(prop) for prop in scene.made}
         self._cast = SceneBodies(scene, seed)
         self._poses, self._speeds = [], []
         self._shown = None
