@@ -14,16 +14,16 @@ from oodscen_pybullet._lighting.shadows import CELLS, FAR_CELLS, FAR_SIDE_M, SID
 from oodscen_pybullet._lighting.shelter import Portal
 from oodscen_pybullet._rendering.optics import OPAQUE, fade
 from oodscen_pybullet._rendering.plate import Air, Clouds, Daylight, Plate, PortalPlane, ShadowMaps
-from oodscen_pybullet._rendering.stage import RawPicture
-from oodscen_pybullet._rendering.triangles import GROUND
-from oodscen_pybullet._rendering.view import CameraView
-from oodscen_pybullet._rendering.weather import (
+from oodscen_pybullet._rendering.sky import (
     SKY_M,
     cloud_columns,
     cloud_cover,
     cloud_sheet,
     heaven,
 )
+from oodscen_pybullet._rendering.stage import RawPicture
+from oodscen_pybullet._rendering.triangles import GROUND
+from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._types import F32, U8
 
 _WET = 0.62

@@ -14,9 +14,10 @@ from oodscen_pybullet._rendering.particles import add_puffs
 from oodscen_pybullet._rendering.plate import Plate
 from oodscen_pybullet._rendering.postprocess import postprocess_pixels
 from oodscen_pybullet._rendering.postprocess_arrays import postprocess_arrays
+from oodscen_pybullet._rendering.precipitation import add_rain, add_snow
+from oodscen_pybullet._rendering.sky import air_colour
 from oodscen_pybullet._rendering.stage import RawPicture
 from oodscen_pybullet._rendering.triangles import MIRROR
-from oodscen_pybullet._rendering.weather import add_rain, add_snow, air_colour
 from oodscen_pybullet._types import U8
 
 _MIRRORING = 0.62
