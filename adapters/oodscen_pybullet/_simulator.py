@@ -30,7 +30,7 @@ from oodscen_pybullet._meshes.vehicles.ego import bonnet
 from oodscen_pybullet._rendering.appearance import Look, SceneBodies, is_lit, mesh_of
 from oodscen_pybullet._rendering.cameras import choose_camera
 from oodscen_pybullet._rendering.particles import covered_pixels
-from oodscen_pybullet._rendering.picture import postprocessed
+from oodscen_pybullet._rendering.picture import develop
 from oodscen_pybullet._rendering.stage import PlacedPuff, RawPicture, Shot, Stage
 from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
@@ -197,7 +197,7 @@ class PyBulletSimulator(MirrorSimulator):
             balls=balls,
             threads=threads,
         )
-        rgb = postprocessed(picture)
+        rgb = develop(picture)
         if shot.tags is not None and balls:
             shot.tags[shot.rows >= 0] = 0
         return Frame(

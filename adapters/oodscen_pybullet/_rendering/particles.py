@@ -1,4 +1,4 @@
-"""Smoke, fire and dust: soft balls blended into a postprocessed picture by depth."""
+"""Smoke, fire and dust: soft balls blended into a developed picture by depth."""
 
 import math
 from collections.abc import Sequence

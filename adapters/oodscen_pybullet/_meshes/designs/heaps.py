@@ -8,10 +8,8 @@ from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs.parts import Placing, add
 from oodscen_pybullet._meshes.look import Appearance
+from oodscen_pybullet._meshes.shapes import GOLDEN_ANGLE
 from oodscen_pybullet._types import Point
-
-_GOLDEN = 2.399963
-"""Angle between neighbours of a sunflower's seeds, rad: they fill a disc evenly."""
 
 
 @add.register
@@ -24,8 +22,8 @@ def _(part: shapes.Heap, mesh: MeshBuilder, shown: Appearance, place: Placing) -
     for index, (one, two) in enumerate(rng.uniform(0.0, 1.0, (part.lumps, 2)).tolist()):
         out = float(np.sqrt((index + 0.5) / part.lumps))
         lump = min(float(wide) * (0.8 + 0.4 * one), 0.45 * length, 0.45 * width)
-        x = (length / 2 - lump) * out * cos(index * _GOLDEN)
-        y = (width / 2 - lump) * out * sin(index * _GOLDEN)
+        x = (length / 2 - lump) * out * cos(index * GOLDEN_ANGLE)
+        y = (width / 2 - lump) * out * sin(index * GOLDEN_ANGLE)
         high = height * (1 - 0.6 * out**3) * (0.75 + 0.25 * two)
         tall = min(lump, high)
         grown = 1.0 + part.rough
@@ -63,7 +61,7 @@ def _(part: shapes.Veil, mesh: MeshBuilder, shown: Appearance, place: Placing) -
     x, y, z = part.veil
     length, width, height = part.size
     for index, (one, two) in enumerate(rng.uniform(0.0, 1.0, (part.puffs, 2)).tolist()):
-        share, turn = (index + 0.5) / part.puffs, index * _GOLDEN
+        share, turn = (index + 0.5) / part.puffs, index * GOLDEN_ANGLE
         density = part.density
         if part.form == "cloud":
             radius = max(0.15, min(0.45 * min(length, width, height) * (0.7 + 0.5 * one), 1.5))
