@@ -194,7 +194,7 @@ def _largest_sizes(
     sizes = np.minimum(sizes, _largest_at_corners(road_corners, middle, radius))
     is_at_span = _is_spanned(ground, near.s, radius + _SPAN_MARGIN_M)
     is_at_span &= near.ego_asphalt - radius < _SPAN_ASIDE_M
-    return np.where(is_at_span, np.minimum(sizes, float(_COARSE)), sizes)
+    return np.asarray(np.where(is_at_span, np.minimum(sizes, float(_COARSE)), sizes))
 
 
 def _largest_at_corners(road_corners: Array, middle: Array, radius: float) -> Array:

@@ -39,7 +39,7 @@ def kerb_medians(ribbons: Ribbons, medians: list[Band]) -> None:
     left = np.where(is_median, [median.left for median in medians], -np.inf).max(axis=0)
     is_any = is_median.any(axis=0)
     right, left = np.where(is_any, right, 0.0), np.where(is_any, left, 0.0)
-    whole = Band(right, left, where.any(axis=0))
+    whole = Band(right, left, np.asarray(where.any(axis=0)))
     _add_kerbs(ribbons, whole, "kerb", "kerb_side")
     _close_ends(ribbons, whole)
 

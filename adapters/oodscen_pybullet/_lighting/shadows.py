@@ -203,7 +203,7 @@ class _Map(NamedTuple):
 
     def copy(self) -> Self:
         """Return the same map in memory of its own."""
-        return self._make(table.copy() for table in self)
+        return self._replace(heights=self.heights.copy(), tiles=self.tiles.copy())
 
 
 class _Rays(NamedTuple):

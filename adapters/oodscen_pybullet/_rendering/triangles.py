@@ -184,7 +184,13 @@ class _Faces(NamedTuple):
 
     def rows(self, rows: Ints | Mask) -> Self:
         """Return some of the triangles."""
-        return self._make(column[rows] for column in self)
+        return self._replace(
+            points=self.points[rows],
+            normals=self.normals[rows],
+            uvs=self.uvs[rows],
+            facing=self.facing[rows],
+            tags=self.tags[rows],
+        )
 
 
 class _Paint(NamedTuple):

@@ -325,8 +325,8 @@ class SidePrint(Fitting):
     def fit(self, mesh: MeshBuilder, shown: Appearance) -> None:
         """Add the prints."""
         (back, fore), y, (low, high) = self.x, self.y, self.z
-        for one, two, side in ((back, fore, -y), (fore, back, y)):
-            mesh.textured_quad(upright((one, side), (two, side), low, high), self.side_print)
+        for start, end, side in ((back, fore, -y), (fore, back, y)):
+            mesh.textured_quad(upright((start, side), (end, side), low, high), self.side_print)
 
 
 class Legs(Fitting):

@@ -86,10 +86,9 @@ class Picture(DrawnPart):
 
 def add_picture(mesh: MeshBuilder, on: Sequence[Point], region: str, place: Placing) -> None:
     """Add a quad that shows a printed region; a mirrored one stays readable."""
-    one, two, three, four = (place.point(point) for point in on)
-    mesh.textured_quad(
-        [one, two, three, four] if place.side > 0 else [two, one, four, three], region
-    )
+    corners = [place.point(point) for point in on]
+    order = (0, 1, 2, 3) if place.side > 0 else (1, 0, 3, 2)
+    mesh.textured_quad([corners[index] for index in order], region)
 
 
 Holder = shapes.BothSidesOf | shapes.RowOf | shapes.CopiesOf | shapes.ConditionOf
@@ -162,8 +161,9 @@ def _(part: shapes.Tube, mesh: MeshBuilder, shown: Appearance, place: Placing) -
     for start, end in itertools.pairwise(hung(part)):
         count = bands(part, start, end)
         for k in range(count):
-            one, two = _between(start, end, k / count), _between(start, end, (k + 1) / count)
-            mesh.beam(place.point(one), place.point(two), part.width, colours[k % 2])
+            ends = (_between(start, end, share / count) for share in (k, k + 1))
+            near, far = (place.point(point) for point in ends)
+            mesh.beam(near, far, part.width, colours[k % 2])
 
 
 def _between(start: Point, end: Point, share: float) -> Point:
@@ -191,12 +191,12 @@ def _(part: shapes.Cylinder, mesh: MeshBuilder, shown: Appearance, place: Placin
 
 @add.register
 def _(part: shapes.Lathe, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-    for one, two, colour in zip(part.lathe[:-1], part.lathe[1:], part.colours, strict=True):
-        start, end = place.point(one[:3]), place.point(two[:3])
+    sections = zip(itertools.pairwise(part.lathe), part.colours, strict=True)
+    for ((*start, radius), (*end, end_radius)), colour in sections:
         cap = shown.colour(part.cap_colour or colour)
         mesh.cylinder(
-            start, end, one[3], shown.colour(colour),
-            sides=part.sides, end_radius=two[3], cap_colour=cap,
+            place.point(start), place.point(end), radius, shown.colour(colour),
+            sides=part.sides, end_radius=end_radius, cap_colour=cap,
         )  # fmt: skip
 
 
