@@ -23,9 +23,9 @@ from _random_props import Design, Drawing, faulty
 from numpy.typing import NDArray
 from oodscen_pybullet._catalogue import load_catalogue
 from oodscen_pybullet._lighting.light import Light
-from oodscen_pybullet._meshes import asset_ids, asset_mesh, learned
+from oodscen_pybullet._meshes import asset_ids, asset_mesh, register_design
 from oodscen_pybullet._meshes.builder import MeshBuilder
-from oodscen_pybullet._meshes.designs.parts import Holder, Placing, add, held
+from oodscen_pybullet._meshes.designs.parts import Holder, Placing, add, placed_parts
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.made import insert_turned
 from oodscen_pybullet._meshes.mesh import Mesh
@@ -87,7 +87,7 @@ def sound(rng: Random) -> Iterator[tuple[Design, Prop]]:
 def faults_of(prop: Prop) -> Iterator[str]:
     """Yield what is wrong with the meshes of a valid design."""
     for state in prop.states or ("",):
-        mesh = asset_mesh(learned(prop), state)
+        mesh = asset_mesh(register_design(prop), state)
         if not all(np.isfinite(part).all() for part in (mesh.vertices, mesh.normals, mesh.uvs)):
             yield "not finite"
             return
@@ -106,7 +106,7 @@ def _leaves(
     """Yield every single part in its place with its mesh; what floats by itself is left out."""
     for part in parts:
         if isinstance(part, Holder):
-            for one, there in held(part, place, lambda word, _: word == shown.state):
+            for one, there in placed_parts(part, place, lambda word, _: word == shown.state):
                 yield from _leaves((one,), there, shown)
         elif isinstance(part, shapes.TurnedOf):
             for leaf, mesh in _leaves(part.turned, Placing(), shown):
@@ -261,7 +261,7 @@ def frames(seed: int) -> list[Row]:
         x, y, z, heading = corridor.point(corridor.start + 6.0 + 0.4 * k, rng.uniform(-12, 12))
         poses.append((x, y, z, heading + rng.uniform(-3, 3)))
     crowds = (
-        [Look(learned(prop), prop.states[0] if prop.states else "") for prop in props],
+        [Look(register_design(prop), prop.states[0] if prop.states else "") for prop in props],
         [Look(rng.choice(shipped)) for _ in range(CROWD)],
     )
     light = Light.of(Weather(), 0.0, reflects_snow=False)

@@ -22,7 +22,7 @@ from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._meshes import asset_ids, asset_mesh, paints_of
 from oodscen_pybullet._rendering.appearance import Look
 from oodscen_pybullet._rendering.bullet_camera import BulletRenderer
-from oodscen_pybullet._rendering.picture import postprocessed
+from oodscen_pybullet._rendering.picture import develop
 from oodscen_pybullet._rendering.rasteriser import Rasteriser
 from oodscen_pybullet._rendering.stage import RawPicture, Shot, Stage
 from oodscen_pybullet._rendering.view import CameraView
@@ -110,7 +110,7 @@ class Set:
             seed=1,
             road_height=self.poses[0][2],
         )
-        postprocessed(picture)
+        develop(picture)
 
 
 def turn_about(ours: Callable[[], object], theirs: Callable[[], object]) -> float:

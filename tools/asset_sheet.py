@@ -16,7 +16,7 @@ from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._meshes import Mesh, paints_of
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._rendering.appearance import Look, mesh_of
-from oodscen_pybullet._rendering.picture import postprocessed
+from oodscen_pybullet._rendering.picture import develop
 from oodscen_pybullet._rendering.rasteriser import Rasteriser
 from oodscen_pybullet._rendering.stage import PlacedPuff, RawPicture
 from oodscen_pybullet._rendering.view import CameraView
@@ -95,7 +95,7 @@ def render(
         road_height=0.0,
         balls=[PlacedPuff(puff, 1) for puff in mesh.puffs],
     )
-    return postprocessed(picture)
+    return develop(picture)
 
 
 def _framing(mesh: Mesh, turn_deg: float, rise_deg: float) -> CameraView:

@@ -16,7 +16,7 @@ class Bodies:
         self._engine = engine
         self._client: int = engine.connect(engine.DIRECT)
         self._bodies: list[int] = []
-        self._moved: list[Pose | None] = []
+        self._poses: list[Pose | None] = []
 
     def close(self) -> None:
         """Disconnect; calling it twice is allowed."""
@@ -28,7 +28,7 @@ class Bodies:
         """Remove every body."""
         self._engine.resetSimulation(physicsClientId=self._client)
         self._bodies.clear()
-        self._moved.clear()
+        self._poses.clear()
 
     def add(self, length: float, width: float, height: float) -> bool:
         """Add a box that stands on its footprint; its row is the number of bodies added before it.
@@ -46,12 +46,12 @@ class Bodies:
         body = engine.createMultiBody(0, shape, physicsClientId=self._client) if shape >= 0 else -1
         if body >= 0:
             self._bodies.append(body)
-            self._moved.append(None)
+            self._poses.append(None)
         return bool(body >= 0)
 
     def move(self, row: int, pose: Pose) -> None:
         """Move one body to x, y, z, yaw."""
-        if self._moved[row] == pose:
+        if self._poses[row] == pose:
             return
         x, y, z, yaw = pose
         self._engine.resetBasePositionAndOrientation(
@@ -60,7 +60,7 @@ class Bodies:
             (0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw)),
             physicsClientId=self._client,
         )
-        self._moved[row] = pose
+        self._poses[row] = pose
 
     def distance(self, row: int, other: int, reach: float) -> float:
         """Return the distance between two bodies, m: 0 on contact, infinity beyond `reach`."""

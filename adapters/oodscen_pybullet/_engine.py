@@ -14,8 +14,8 @@ def load_pybullet() -> ModuleType:
     Raises:
         MissingExtra: If it is not installed.
     """
-    if "pybullet" in sys.modules:
-        loaded: ModuleType = sys.modules["pybullet"]
+    loaded = sys.modules.get("pybullet")
+    if loaded is not None:
         return loaded
     try:
         import cv2  # noqa: F401  # frames need it; fail before a scene is half loaded

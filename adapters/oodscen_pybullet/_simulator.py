@@ -22,31 +22,33 @@ from oodscen_pybullet._contacts import Bodies
 from oodscen_pybullet._engine import load_pybullet
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shelter import Portal, Shelter
-from oodscen_pybullet._meshes import Mesh, asset_ids, learned
+from oodscen_pybullet._meshes import Mesh, asset_ids, register_design
 from oodscen_pybullet._meshes.atlas import Snow
 from oodscen_pybullet._meshes.mesh import Lamp
 from oodscen_pybullet._meshes.tilting import tilt_of
 from oodscen_pybullet._meshes.vehicles.ego import bonnet
 from oodscen_pybullet._rendering.appearance import Look, SceneBodies, is_lit, mesh_of
 from oodscen_pybullet._rendering.cameras import choose_camera
-from oodscen_pybullet._rendering.particles import filled
-from oodscen_pybullet._rendering.picture import postprocessed
+from oodscen_pybullet._rendering.particles import covered_pixels
+from oodscen_pybullet._rendering.picture import develop
 from oodscen_pybullet._rendering.stage import PlacedPuff, RawPicture, Shot, Stage
 from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
-from oodscen_pybullet._scenery.signals import replaced
+from oodscen_pybullet._scenery.signals import replaced_signals
 from oodscen_pybullet._types import I32, Array, Pose
 
-REACH = 20.0
+REACH_M = 20.0
 """Upper limit of measured gaps, m."""
-STAGES = 16
+_STAGES = 16
 """Number of roads whose scenery stays loaded."""
 DARK = 0.2
 """Daylight at and below which nothing casts a shadow."""
-LIT_DEG = 1.0
+_LIT_DEG = 1.0
 """Sun elevation below which windows are lit, degrees."""
-SNOWED_ROADS_MM_H = 1.0
+_SNOWED_ROADS_MM_H = 1.0
 """Snowfall rate below which the roads are cleared, and only the land is white, mm/h."""
+_INSIDE_M = (2.4, 1.0, 1.6)
+"""Distances ahead of the ego's middle, beside it and above the road within which a camera is in the ego, m."""
 
 
 class PyBulletSimulator(MirrorSimulator):
@@ -73,9 +75,8 @@ class PyBulletSimulator(MirrorSimulator):
         self._cast: SceneBodies
         self._poses: list[Pose] = []
         self._speeds: list[float] = []
-        self._shown: object = None
-
-    # ------------------------------------------------------------------ MirrorSimulator
+        self._shown: tuple[Stage, bool, list[Look]] | None = None
+        """The stage whose actors are those of the last picture, and what it shows."""
 
     def catalogue(self) -> Catalogue:
         """Return the available assets, behaviours, maps and weather."""
@@ -93,7 +94,7 @@ class PyBulletSimulator(MirrorSimulator):
             self._bodies = Bodies(self._engine)
         self._bodies.clear()
         self._loaded = (corridor, scene, seed)
-        self._made = {prop.id: learned(prop) for prop in scene.made}
+        self._made = {prop.id: register_design(prop) for prop in scene.made}
         self._cast = SceneBodies(scene, seed)
         self._poses, self._speeds = [], []
         self._shown = None
@@ -128,7 +129,7 @@ class PyBulletSimulator(MirrorSimulator):
         distances = []
         for row in rows:
             bodies.move(row, self._poses[row])
-            distances.append(bodies.distance(0, row, REACH))
+            distances.append(bodies.distance(0, row, REACH_M))
         return distances
 
     def draw(self, camera: Camera) -> Frame:
@@ -172,17 +173,17 @@ class PyBulletSimulator(MirrorSimulator):
         """
         assert self._loaded is not None
         _, scene, seed = self._loaded
-        stage, scenery = self._staged(time)
+        stage, scenery = self._stage_at(time)
         view = CameraView.of(camera, mount, roll_deg)
         fired = fired or [-1.0] * len(self._poses)
         looks = self._cast.looks(self._poses, self._speeds, accelerations, fired, time)
         for row, tilt in tilts.items():
             looks[row] = looks[row]._replace(tilt=tilt_of(*tilt))
-        self._show(stage, looks, is_inside=_is_inside(view, self._poses[0]))
-        poses = self._stand(scenery)
+        self._show_actors(stage, looks, is_inside=_is_inside(view, self._poses[0]))
+        poses = self._poses_on(scenery)
         stage.pose_actors(poses)
-        shot, light, portal = self._shoot(stage, view, poses[0][2])
-        lamps, balls = _lamps_and_balls(looks, poses)
+        shot, light, portal = self._take(stage, view, poses[0][2])
+        lamps, balls = _lamps_and_smoke(looks, poses)
         picture = RawPicture(
             shot=shot,
             view=view,
@@ -196,7 +197,7 @@ class PyBulletSimulator(MirrorSimulator):
             balls=balls,
             threads=threads,
         )
-        rgb = postprocessed(picture)
+        rgb = develop(picture)
         if shot.tags is not None and balls:
             shot.tags[shot.rows >= 0] = 0
         return Frame(
@@ -217,23 +218,19 @@ class PyBulletSimulator(MirrorSimulator):
         self._stages.clear()
         self._shown = None
 
-    # ------------------------------------------------------------------ the picture's parts
-
-    def _staged(self, time: float) -> tuple[Stage, Scenery]:
+    def _stage_at(self, time: float) -> tuple[Stage, Scenery]:
         """Return the stage with the road's scenery at a time, building it if necessary."""
         assert self._loaded is not None
         corridor, scene, seed = self._loaded
         road = find_map(scene.map, self.catalogue())
-        is_night = scene.weather.sun_elevation_deg < LIT_DEG
-        own = zip(self._cast.assets, self._poses, strict=True)
-        places = [(x, y) for asset, (x, y, _, _) in own if asset.category == "signal"]
-        without, state = replaced(corridor, places), scene.map_state
-        is_between = state is not None and state.signals == "flashing" and not is_lit(time)
-        key = (road.id, id(corridor), seed, _snow(scene), is_night, without, state, is_between)
+        is_night = scene.weather.sun_elevation_deg < _LIT_DEG
+        omitted, state = replaced_signals(corridor, self._signal_positions()), scene.map_state
+        is_dark_phase = state is not None and state.signals == "flashing" and not is_lit(time)
+        key = (road.id, id(corridor), seed, _snow(scene), is_night, omitted, state, is_dark_phase)
         if key in self._stages:
             self._stages.move_to_end(key)
             return self._stages[key]
-        if len(self._stages) >= STAGES:
+        if len(self._stages) >= _STAGES:
             _, (oldest, _) = self._stages.popitem(last=False)
             oldest.close()
         scenery = build_scenery(
@@ -241,25 +238,30 @@ class PyBulletSimulator(MirrorSimulator):
             road,
             seed,
             is_night=is_night,
-            without=without,
+            omitted=omitted,
             state=state,
-            is_between=is_between,
+            is_dark_phase=is_dark_phase,
         )
         stage = self._open_stage()
         stage.show_scenery(scenery.meshes, snow=_snow(scene), shelter=Shelter(corridor))
         self._stages[key] = (stage, replace(scenery, meshes=()))
         return self._stages[key]
 
-    def _show(self, stage: Stage, looks: list[Look], *, is_inside: bool) -> None:
+    def _signal_positions(self) -> list[tuple[float, float]]:
+        """Return x and y of the scene's own signals, m."""
+        bodies = zip(self._cast.assets, self._poses, strict=True)
+        return [(x, y) for asset, (x, y, _, _) in bodies if asset.category == "signal"]
+
+    def _show_actors(self, stage: Stage, looks: list[Look], *, is_inside: bool) -> None:
         """Show the actors, unless the stage does; from inside, only the bonnet of the ego is seen."""
-        shown = (id(stage), is_inside, looks)
+        shown = (stage, is_inside, looks)
         if self._shown != shown:
             ego: Look | Mesh = bonnet().build() if is_inside else looks[0]
             stage.show_actors([ego, *looks[1:]])
             self._shown = shown
 
-    def _shoot(
-        self, stage: Stage, view: CameraView, ground: float
+    def _take(
+        self, stage: Stage, view: CameraView, road_height: float
     ) -> tuple[Shot, Light, Portal | None]:
         """Return the raw picture, the light, and the end of a tunnel that the camera looks at."""
         assert self._loaded is not None
@@ -270,33 +272,33 @@ class PyBulletSimulator(MirrorSimulator):
         shot = stage.render(
             view,
             light,
-            ground=ground if light.daylight > DARK else None,
+            ground=road_height if light.daylight > DARK else None,
             is_inside=portal is not None and portal.is_inside,
         )
         return shot, light, portal
 
-    def _stand(self, scenery: Scenery) -> list[Pose]:
+    def _poses_on(self, scenery: Scenery) -> list[Pose]:
         """Return the poses, with everything beside the asphalt lifted onto the ground."""
-        places = np.array(self._poses, np.float64)
-        lifts = scenery.terrain.lifts(places[1:, 0], places[1:, 1]).tolist()
+        ego, *others = self._poses
+        x, y, _, _ = np.array(others, np.float64).reshape(-1, 4).T
+        lifts = scenery.terrain.lifts(x, y).tolist()
         lifted = [
-            (x, y, z + lift, yaw)
-            for (x, y, z, yaw), lift in zip(self._poses[1:], lifts, strict=True)
+            (*pose[:2], pose[2] + lift, pose[3]) for pose, lift in zip(others, lifts, strict=True)
         ]
-        return [self._poses[0], *lifted]
+        return [ego, *lifted]
 
 
-def _lamps_and_balls(
+def _lamps_and_smoke(
     looks: Sequence[Look], poses: Sequence[Pose]
 ) -> tuple[list[Lamp], list[PlacedPuff]]:
     """Return the lit lamps of all bodies but the ego, and the smoke of all, in world coordinates."""
     lamps, balls = [], []
     for row, (look, (x, y, z, yaw)) in enumerate(zip(looks, poses, strict=True)):
-        mesh, at = mesh_of(look), (x, y, z)
-        s, c = exact.sincos(yaw)
+        mesh, position = mesh_of(look), (x, y, z)
+        sin, cos = exact.sincos(yaw)
         if row > 0:
-            lamps += [lamp.placed(at, (c, s)) for lamp in mesh.lamps]
-        balls += [PlacedPuff(puff.placed(at, (c, s)), row) for puff in mesh.puffs]
+            lamps += [lamp.placed(position, (cos, sin)) for lamp in mesh.lamps]
+        balls += [PlacedPuff(puff.placed(position, (cos, sin)), row) for puff in mesh.puffs]
     return lamps, balls
 
 
@@ -305,17 +307,19 @@ def _unhidden(stage: Stage, view: CameraView, balls: Sequence[PlacedPuff]) -> I3
     pixels = stage.unhidden(view)
     if pixels is not None:
         for row in {ball.row for ball in balls}:
-            own = [ball for ball in balls if ball.row == row]
-            pixels[row] = max(pixels[row], np.count_nonzero(filled(view, own)))
+            smoke = [ball for ball in balls if ball.row == row]
+            pixels[row] = max(pixels[row], np.count_nonzero(covered_pixels(view, smoke)))
     return pixels
 
 
 def _is_inside(view: CameraView, ego: Pose) -> bool:
+    """Return whether a camera is in the ego."""
     x, y, z, yaw = ego
-    s, c = exact.sincos(yaw)
+    sin, cos = exact.sincos(yaw)
     dx, dy, dz = view.eye[0] - x, view.eye[1] - y, view.eye[2] - z
-    ahead, left, up = (round(value, 6) for value in (dx * c + dy * s, dy * c - dx * s, dz))
-    return abs(ahead) < 2.4 and abs(left) < 1.0 and up < 1.6
+    ahead, left, up = (round(value, 6) for value in (dx * cos + dy * sin, dy * cos - dx * sin, dz))
+    length, width, height = _INSIDE_M
+    return abs(ahead) < length and abs(left) < width and up < height
 
 
 def _snow(scene: Scene) -> Snow:
@@ -323,4 +327,4 @@ def _snow(scene: Scene) -> Snow:
     weather = scene.weather
     if weather.precipitation != "snow":
         return Snow.NONE
-    return Snow.ROADS if weather.precipitation_mm_h >= SNOWED_ROADS_MM_H else Snow.LAND
+    return Snow.ROADS if weather.precipitation_mm_h >= _SNOWED_ROADS_MM_H else Snow.LAND

@@ -21,7 +21,7 @@ def test_every_precipitation_has_a_row(table):
 @pytest.mark.parametrize(
     ("module", "table", "kinds"),
     [
-        ("oodscen_pybullet._rendering.weather", "_GREY", {*FALLING, "none"}),
+        ("oodscen_pybullet._rendering.sky", "_GREY", {*FALLING, "none"}),
         ("oodscen_pybullet._rendering.picture", "_ADD_DROPS", FALLING),
     ],
 )

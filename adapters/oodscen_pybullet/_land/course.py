@@ -9,20 +9,20 @@ from oodscen_pybullet._types import Array, Ints
 
 TIGHT = 1 / 90
 """Curvature above which pieces are shorter, 1/m."""
-_STEP, _FAST_STEP = 3.0, 6.0
+_STEP_M, _FAST_STEP_M = 3.0, 6.0
 """Length of a piece of road and of a fast road, m; also the length of a dash of a broken mark."""
-_FAST = 19.0
+_FAST_MPS = 19.0
 """Speed limit above which a road counts as fast, m/s."""
-_BEHIND = 60.0
+_BEHIND_M = 60.0
 """Length of road drawn behind the ego's start, m."""
 _SEEN_M, _DRIVEN_S = 400.0, 30.0
 """Sight distance, m, and driving time at the speed limit, s: the road is drawn this far ahead."""
-_BULGE = 0.03
-"""Lane edges that bend by more than this within a piece make the pieces shorter, m."""
-_JUMP = 0.5
-"""Edges of the carriageway that change by more than this at once begin or end a lane, m."""
-_BLOCK = 400_000
-"""Number of distances computed per batch."""
+_BULGE_M = 0.03
+"""Bulge of a lane's edge within a piece above which the piece is divided, m."""
+_JUMP_M = 0.5
+"""Sideways step of an edge above which a lane begins or ends there, m."""
+_BATCH = 400_000
+"""Largest number of distances per batch."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ class RoadCourse:
     def of(cls, corridor: Corridor) -> "RoadCourse":
         """Resample the ego's road from behind its start to the limit of sight."""
         ahead = _DRIVEN_S * corridor.speed_limit + _SEEN_M
-        first = max(0.0, corridor.start - _BEHIND)
+        first = max(0.0, corridor.start - _BEHIND_M)
         return cls.between(corridor, first, corridor.start + ahead)
 
     @classmethod
@@ -81,38 +81,36 @@ class RoadCourse:
 
     def _nearest(self, x: Array, y: Array) -> Ints:
         """Return the index of the sample nearest to each point."""
-        found = np.zeros(len(x), np.int64)
-        block = max(1, _BLOCK // len(self.x))
-        for start in range(0, len(x), block):
-            dx = x[start : start + block, None] - self.x[None, :]
-            dy = y[start : start + block, None] - self.y[None, :]
-            dx *= dx
-            dy *= dy
-            dx += dy
-            found[start : start + block] = dx.argmin(axis=1)
-        return found
+        nearest = np.zeros(len(x), np.int64)
+        size = max(1, _BATCH // len(self.x))
+        for start in range(0, len(x), size):
+            batch = slice(start, start + size)
+            squares = (x[batch, None] - self.x[None, :]) ** 2
+            squares += (y[batch, None] - self.y[None, :]) ** 2
+            nearest[batch] = squares.argmin(axis=1)
+        return nearest
 
 
 def is_fast(corridor: Corridor) -> bool:
     """Return whether traffic on a road is fast, as on a motorway."""
-    return corridor.speed_limit > _FAST
+    return corridor.speed_limit > _FAST_MPS
 
 
 def _positions(corridor: Corridor, first: float, last: float) -> Array:
     """Return the s at which a corridor is sampled, m: more of them where it bends or its lanes change."""
-    piece = _FAST_STEP if is_fast(corridor) else _STEP
-    count = max(1, int((last - first) / piece + 0.5))
-    step = piece if last - first >= piece else last - first
+    piece_m = _FAST_STEP_M if is_fast(corridor) else _STEP_M
+    count = max(1, int((last - first) / piece_m + 0.5))
+    step = min(piece_m, last - first)
     s: Array = first + step * np.arange(count + 1, dtype=np.float64)
     s[-1] = max(last, float(s[-2]) + 0.25 * step)
-    middle, long = 0.5 * (s[1:] + s[:-1]), np.diff(s)
-    split = np.interp(middle, corridor.s, np.abs(corridor.curvature)) > TIGHT
+    middle, length = 0.5 * (s[1:] + s[:-1]), np.diff(s)
+    is_split = np.interp(middle, corridor.s, np.abs(corridor.curvature)) > TIGHT
     for strip in corridor.strips:
         for edge in (strip.right, strip.left):
             ends = np.interp(s, corridor.s, edge)
             bulge = np.interp(middle, corridor.s, edge) - 0.5 * (ends[1:] + ends[:-1])
-            split |= np.abs(bulge) > _BULGE
-    parts = [s[:-1], *((s[:-1] + k * long / 3)[split] for k in (1, 2)), s[-1:]]
+            is_split |= np.abs(bulge) > _BULGE_M
+    parts = [s[:-1], *((s[:-1] + k * length / 3)[is_split] for k in (1, 2)), s[-1:]]
     breaks = [end for structure in corridor.structures for end in (structure.start, structure.end)]
     if is_fast(corridor):
         # Where a lane leaves the road, a long piece would taper it and leave a hole beside it.
@@ -123,10 +121,10 @@ def _positions(corridor: Corridor, first: float, last: float) -> Array:
 
 def _lane_changes(corridor: Corridor) -> list[float]:
     """Return s on both sides of the places where lanes begin or end at their full width."""
-    found: set[float] = set()
+    changes: set[float] = set()
     for strip in corridor.strips:
         if strip.kind in DRIVABLE:
             for edge in (strip.right, strip.left):
-                before = np.flatnonzero(np.abs(np.diff(edge)) > _JUMP)
-                found.update(corridor.s[before].tolist(), corridor.s[before + 1].tolist())
-    return sorted(found)
+                before = np.flatnonzero(np.abs(np.diff(edge)) > _JUMP_M)
+                changes.update(corridor.s[before].tolist(), corridor.s[before + 1].tolist())
+    return sorted(changes)

@@ -30,7 +30,7 @@ class Cover:
         self._corners = _oriented(triangles)
         self._sides = np.roll(self._corners, -1, axis=1) - self._corners
         square = (self._sides**2).sum(axis=2)
-        self._inverse = 1.0 / np.maximum(square, _LEAST_SQUARE)
+        self._inverse_square = 1.0 / np.maximum(square, _LEAST_SQUARE)
         low = np.floor((self._corners.min(axis=1) - REACH) / _CELL_M).astype(np.int64)
         high = np.floor((self._corners.max(axis=1) + REACH) / _CELL_M).astype(np.int64)
         self._low = low.min(axis=0) if len(low) else np.zeros(2, np.int64)
@@ -47,10 +47,10 @@ class Cover:
             low: [n, 2] column and row of the first cell within reach of each triangle.
             high: [n, 2] the same of the last one.
         """
-        wide, tall = (high - low + 1).T if len(low) else np.zeros((2, 0), np.int64)
-        owner, rank = _expanded(wide * tall)
-        column = low[owner, 0] + rank % wide[owner] - self._low[0]
-        row = low[owner, 1] + rank // wide[owner] - self._low[1]
+        columns, rows = (high - low + 1).T
+        owner, rank = _expanded(columns * rows)
+        column = low[owner, 0] + rank % columns[owner] - self._low[0]
+        row = low[owner, 1] + rank // columns[owner] - self._low[1]
         cell = column * self._rows + row
         order = np.argsort(cell, kind="stable")
         self._members = owner[order]
@@ -67,11 +67,11 @@ class Cover:
             x: [n], m
             y: [n], m
         """
-        found = np.full(len(x), REACH)
+        distances = np.full(len(x), REACH)
         first, count = self._candidates(x, y)
         for rows in _batches(count):
-            found[rows] = self._measured(x[rows], y[rows], first[rows], count[rows])
-        return found
+            distances[rows] = self._signed_distances(x[rows], y[rows], first[rows], count[rows])
+        return distances
 
     def _candidates(self, x: Array, y: Array) -> tuple[Ints, Ints]:
         """Return where in `_members` the triangles within reach of each point start, and how many there are."""
@@ -80,28 +80,28 @@ class Cover:
         column = np.floor(x / _CELL_M).astype(np.int64) - self._low[0]
         row = np.floor(y / _CELL_M).astype(np.int64) - self._low[1]
         cell = column * self._rows + row
-        place = np.minimum(np.searchsorted(self._cells, cell), len(self._cells) - 1)
-        is_listed = (row >= 0) & (row < self._rows) & (self._cells[place] == cell)
-        return self._starts[place], np.where(is_listed, self._counts[place], 0)
+        index = np.minimum(np.searchsorted(self._cells, cell), len(self._cells) - 1)
+        is_listed = (row >= 0) & (row < self._rows) & (self._cells[index] == cell)
+        return self._starts[index], np.where(is_listed, self._counts[index], 0)
 
-    def _measured(self, x: Array, y: Array, first: Ints, count: Ints) -> Array:
+    def _signed_distances(self, x: Array, y: Array, first: Ints, count: Ints) -> Array:
         """Return the least signed distance per point, over its candidate triangles, m."""
         point, rank = _expanded(count)
         member = self._members[first[point] + rank]
         corner, side = self._corners[member], self._sides[member]
         dx, dy = x[point, None] - corner[:, :, 0], y[point, None] - corner[:, :, 1]
         ex, ey = side[:, :, 0], side[:, :, 1]
-        inverse = self._inverse[member]
+        inverse_square = self._inverse_square[member]
         cross = ex * dy - ey * dx
-        along = np.clip((dx * ex + dy * ey) * inverse, 0.0, 1.0)
+        along = np.clip((dx * ex + dy * ey) * inverse_square, 0.0, 1.0)
         px, py = dx - along * ex, dy - along * ey
-        away = np.sqrt((px * px + py * py).min(axis=1))
-        away = np.where((cross >= 0.0).all(axis=1), -away, away)
+        distance = np.sqrt((px * px + py * py).min(axis=1))
+        distance = np.where((cross >= 0.0).all(axis=1), -distance, distance)
         starts = np.concatenate([[0], np.cumsum(count)[:-1]])
-        return np.minimum(np.minimum.reduceat(away, starts), REACH)
+        return np.minimum(np.minimum.reduceat(distance, starts), REACH)
 
 
-def strips(edges: Sequence[tuple[Array, Array]]) -> Array:
+def band_triangles(edges: Sequence[tuple[Array, Array]]) -> Array:
     """Return bands between pairs of lines as triangles, [n, 3, 2].
 
     Args:
@@ -131,7 +131,7 @@ def _batches(count: Ints) -> Iterator[Ints]:
         return
     ends = np.cumsum(count[rows])
     splits = np.searchsorted(ends, np.arange(_BATCH, int(ends[-1]), _BATCH))
-    yield from (some for some in np.split(rows, np.unique(splits)) if len(some))
+    yield from (batch for batch in np.split(rows, np.unique(splits)) if len(batch))
 
 
 def _expanded(count: Ints) -> tuple[Ints, Ints]:

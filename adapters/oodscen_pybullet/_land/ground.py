@@ -5,17 +5,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from oodscen.driving._roads.corridor import Corridor
-from oodscen_pybullet._land.cover import REACH, Cover, strips
+from oodscen_pybullet._land.cover import REACH, Cover, band_triangles
 from oodscen_pybullet._land.ways import Way, ways_of
 from oodscen_pybullet._types import Array
 
-_NEAR = 60.0
+_NEAR_M = 60.0
 """Margin around a road other than the ego's beyond which it is ignored, m."""
-_ROUGH = 3.0
+_ROUGH_M = 3.0
 """Largest overestimate of a distance measured across a road, m."""
-_FAR = 1e4
+_FAR_M = 1e4
 """Distance of points from asphalt where no road is near, m."""
-_CLOSE = 0.05
+_CLOSE_M = 0.05
 """Lower bound of the distances by which heights are weighted, m."""
 
 
@@ -31,8 +31,6 @@ class Near:
     """Height of the surrounding roads, m."""
     s: Array
     """Position along the ego's road, m."""
-    t: Array
-    """Offset to the left of the ego's reference line, m."""
     ego_asphalt: Array
     """Distance from the asphalt of the ego's road, m."""
 
@@ -48,8 +46,8 @@ class Ground:
         self.corridor = corridor
         self.ways = ways_of(corridor)
         self.has_kerb = any(way.has_kerb for way in self.ways)
-        self._bounds = [way.bounds(_NEAR) for way in self.ways]
-        self._asphalt = Cover(strips([way.carriageway_band() for way in self.ways]))
+        self._bounds = [way.bounds(_NEAR_M) for way in self.ways]
+        self._asphalt = Cover(band_triangles([way.carriageway_band() for way in self.ways]))
 
     @property
     def ego(self) -> Way:
@@ -64,26 +62,26 @@ class Ground:
             y: [n], m
         """
         count = len(x)
-        asphalt, paved = np.full(count, _FAR), np.full(count, _FAR)
+        asphalt, paved = np.full(count, _FAR_M), np.full(count, _FAR_M)
         weight, height = np.zeros(count), np.zeros(count)
-        s, t, ego = np.zeros(count), np.zeros(count), np.zeros(count)
+        s, ego_asphalt = np.zeros(count), np.zeros(count)
         for way, bounds in zip(self.ways, self._bounds, strict=True):
             rows = np.arange(count) if way.is_ego else np.flatnonzero(bounds.contains(x, y))
             if len(rows) == 0:
                 continue
-            along, across = way.course.locate(x[rows], y[rows])
-            from_asphalt, from_paved = way.distances(along, across)
-            share = 1.0 / np.maximum(from_asphalt, _CLOSE) ** 2
+            along, aside = way.course.locate(x[rows], y[rows])
+            from_asphalt, from_paved = way.distances(along, aside)
+            nearness = 1.0 / np.maximum(from_asphalt, _CLOSE_M) ** 2
             asphalt[rows] = np.minimum(asphalt[rows], from_asphalt)
             paved[rows] = np.minimum(paved[rows], from_paved)
-            weight[rows] += share
-            height[rows] += share * np.interp(along, way.course.s, way.course.z)
+            weight[rows] += nearness
+            height[rows] += nearness * np.interp(along, way.course.s, way.course.z)
             if way.is_ego:
-                s, t, ego = along, across, from_asphalt
-        close = np.flatnonzero(asphalt < REACH + _ROUGH)
+                s, ego_asphalt = along, from_asphalt
+        close = np.flatnonzero(asphalt < REACH + _ROUGH_M)
         if len(close):
             asphalt[close] = _corrected(asphalt[close], self.asphalt(x[close], y[close]))
-        return Near(asphalt, np.minimum(paved, asphalt), height / weight, s, t, ego)
+        return Near(asphalt, np.minimum(paved, asphalt), height / weight, s, ego_asphalt)
 
     def locate(self, x: float, y: float) -> tuple[float, float]:
         """Return a point's position along the ego's road and its distance from that road, m."""

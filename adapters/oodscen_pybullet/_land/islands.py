@@ -13,6 +13,7 @@ _CELL_M = 1.0
 _MARGIN_M = 24.0
 """Land searched around the corners of roads, m."""
 _MOST_CELLS = 400 * 400
+"""Cells of the grid above which no islands are sought."""
 _REFUGE_M = 3.5
 """Largest radius of a refuge: nothing is planted on it, m."""
 _LARGEST_M = 60.0
@@ -30,7 +31,7 @@ class Islands:
     """x and y of the grid's corner, m."""
     cells: Mask
     """[columns, rows] True where a square lies on an island."""
-    middles: tuple[Circle, ...]
+    circles: tuple[Circle, ...]
     """The largest circle on each island bigger than a refuge."""
 
     @classmethod
@@ -42,38 +43,38 @@ class Islands:
             road_corners: [n, 2] points along tight bends and paths through junctions, around which to look, m.
         """
         if not len(road_corners):
-            return cls._none()
+            return cls._empty()
         low, high = road_corners.min(axis=0) - _MARGIN_M, road_corners.max(axis=0) + _MARGIN_M
         columns, rows = (int(n) for n in np.ceil((high - low) / _CELL_M))
         if columns * rows > _MOST_CELLS:
-            return cls._none()
+            return cls._empty()
         x = low[0] + (np.arange(columns) + 0.5) * _CELL_M
         y = low[1] + (np.arange(rows) + 0.5) * _CELL_M
         grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
         away = ground.near(grid[:, 0], grid[:, 1]).asphalt.reshape(columns, rows)
         labels, enclosed = _enclosed(away > 0.0)
-        middles = []
+        circles = []
         for label in enclosed:
-            inside = np.where(labels == label, away, -1.0)
-            radius = float(inside.max())
+            radii = np.where(labels == label, away, -1.0)
+            radius = float(radii.max())
             if _REFUGE_M < radius < _LARGEST_M:
-                i, j = divmod(int(inside.argmax()), rows)
-                middles.append((float(x[i]), float(y[j]), radius))
-        return cls((float(low[0]), float(low[1])), np.isin(labels, enclosed), tuple(middles))
+                i, j = divmod(int(radii.argmax()), rows)
+                circles.append((float(x[i]), float(y[j]), radius))
+        return cls((float(low[0]), float(low[1])), np.isin(labels, enclosed), tuple(circles))
 
     @classmethod
-    def _none(cls) -> Self:
+    def _empty(cls) -> Self:
         return cls((0.0, 0.0), np.zeros((0, 0), bool), ())
 
     def covers(self, points: Array) -> Mask:
         """Return which points, [n, 2], lie on an island."""
         if not self.cells.size:
             return np.zeros(len(points), bool)
-        place = np.floor((points - np.array(self.corner)) / _CELL_M).astype(np.int64)
-        limit = np.array(self.cells.shape)
-        inside = ((place >= 0) & (place < limit)).all(axis=1)
-        place = np.clip(place, 0, limit - 1)
-        return np.asarray(inside & self.cells[place[:, 0], place[:, 1]])
+        cell = np.floor((points - np.array(self.corner)) / _CELL_M).astype(np.int64)
+        counts = np.array(self.cells.shape)
+        is_on_grid = ((cell >= 0) & (cell < counts)).all(axis=1)
+        column, row = np.clip(cell, 0, counts - 1).T
+        return np.asarray(is_on_grid & self.cells[column, row])
 
 
 def _enclosed(land: Mask) -> tuple[Ints, list[int]]:
@@ -84,8 +85,8 @@ def _enclosed(land: Mask) -> tuple[Ints, list[int]]:
     import cv2
 
     _, labels = cv2.connectedComponents(land.astype(np.uint8), connectivity=4)
-    found, first = np.unique(labels, return_index=True)
+    pieces, first = np.unique(labels, return_index=True)
     rim = np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]])
     outer = {0, *rim.tolist()}
-    ordered = found[np.argsort(first)].tolist()
+    ordered = pieces[np.argsort(first)].tolist()
     return labels.astype(np.int64), [label for label in ordered if label not in outer]

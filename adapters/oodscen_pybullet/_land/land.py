@@ -13,14 +13,14 @@ from oodscen.driving._roads.corridor import Structure
 from oodscen_pybullet._land.adaptive_grid import Squares, crossing
 from oodscen_pybullet._land.ground import Ground
 from oodscen_pybullet._land.islands import Islands
-from oodscen_pybullet._land.relief import KERB, Relief
+from oodscen_pybullet._land.relief import KERB_HEIGHT_M, Relief
 from oodscen_pybullet._land.theme import Theme
 from oodscen_pybullet._meshes.atlas import REGIONS, region_uv, swatch_uv
 from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._rendering.clipping import cut
 from oodscen_pybullet._types import Array, Ints, Mask
 
-KERB_FOOT = -0.03
+KERB_FOOT_M = -0.03
 """Height of the foot of a kerb's side above the road, m: below it, so that no gap shows."""
 WIDE_M = 215.0
 """Distance from the ego's road to the edge of the ground, m."""
@@ -47,9 +47,10 @@ _FIELDS = 64
 _CROPS = ("field", "grass", "grass_dark", "field", "earth", "grass")
 _SHORTEST_M = 1e-4
 """Length of an edge up to which a face is left out, m."""
-_FLAT = 1e-4
-"""Length of a normal up to which a triangle is left out, m^2."""
+_NO_AREA_M2 = 1e-4
+"""Twice the area up to which a triangle is left out, m^2."""
 _FARTHEST_M = 1e9
+"""Distance that no ground exceeds, m."""
 
 
 class _GroundBand(NamedTuple):
@@ -127,8 +128,8 @@ class Land:
 
     def _corners(self) -> Array:
         """Return the squares as triangles with all columns that cutting needs."""
-        net = Squares.around(self._ground, self.road_corners, WIDE_M)
-        points, order, held = net.triangles()
+        squares = Squares.around(self._ground, self.road_corners, WIDE_M)
+        points, triangles, owners = squares.triangles()
         x, y = points[:, 0], points[:, 1]
         near = self._ground.near(x, y)
         z, paved = self.relief.heights(x, y).beside, near.paved
@@ -137,15 +138,15 @@ class Land:
             paved = np.where(self._is_corner(points), at_corner, paved)
         zero = np.zeros(len(points))
         columns = [x, y, z, near.asphalt, paved, zero, zero, near.s]
-        corners = np.stack(columns, axis=1)[order]
-        corners[:, :, _U : _V + 1] = net.local(points[order], held)
+        corners = np.stack(columns, axis=1)[triangles]
+        corners[:, :, _U : _V + 1] = squares.texture_coordinates(points[triangles], owners)
         return corners
 
     def _is_corner(self, points: Array) -> Mask:
         """Return which points are close enough to a tight bend or junction to be paved all over."""
-        square = (points[:, :1] - self.road_corners[None, :, 0]) ** 2
-        square += (points[:, 1:] - self.road_corners[None, :, 1]) ** 2
-        return np.asarray(square.min(axis=1) < _CORNER_M * _CORNER_M)
+        squares = (points[:, :1] - self.road_corners[None, :, 0]) ** 2
+        squares += (points[:, 1:] - self.road_corners[None, :, 1]) ** 2
+        return np.asarray(squares.min(axis=1) < _CORNER_M * _CORNER_M)
 
     def _split_at_structures(self, corners: Array) -> tuple[Array, Array]:
         """Split the ground at tunnels and bridges: the part in the open, and the one that a structure spans.
@@ -153,12 +154,12 @@ class Land:
         Heights are recomputed along the cuts because they cannot be interpolated there from the corners of
         the squares.
         """
-        in_open, parts = corners, [corners[:0]]
+        in_open, spanned_parts = corners, [corners[:0]]
         for structure in self._ground.corridor.structures:
             split = _below_bridge if structure.kind == "bridge" else _above_tunnel
             in_open, within = split(in_open, structure)
-            parts += within
-        spanned = np.concatenate(parts)
+            spanned_parts += within
+        spanned = np.concatenate(spanned_parts)
         if len(spanned):
             in_open[:, :, _Z] = self.relief.heights(*_flat_places(in_open)).beside.reshape(-1, 3)
             spanned[:, :, _Z] = self.relief.heights(*_flat_places(spanned)).across.reshape(-1, 3)
@@ -174,10 +175,15 @@ class Land:
         land[is_edge, _PAVED] = np.minimum(self._ground.near(x, y).paved, 0.0) if len(x) else 0.0
         return land, border
 
-    def _edge_of_asphalt(self, one: Array, two: Array) -> Array:
-        """Return where the lines between two rows of corners cross the edge of the asphalt."""
-        ends = one[:, : _Y + 1], two[:, : _Y + 1]
-        return crossing(self._ground.asphalt, *ends, one[:, _ASPHALT], two[:, _ASPHALT])
+    def _edge_of_asphalt(self, starts: Array, ends: Array) -> Array:
+        """Return how far along the lines between two rows of corners the edge of the asphalt is."""
+        return crossing(
+            self._ground.asphalt,
+            starts[:, : _Y + 1],
+            ends[:, : _Y + 1],
+            starts[:, _ASPHALT],
+            ends[:, _ASPHALT],
+        )
 
     def _kerbed(self, land: Array) -> tuple[list[_Piece], Array]:
         """Split off kerbs, islands and pavements; return them and the rest of the land."""
@@ -250,7 +256,7 @@ def _kerb_sides(border: Array) -> _Piece:
     p, q = border[:, 0, : _Z + 1], border[:, 1, : _Z + 1]
     length = np.sqrt(((p - q) ** 2).sum(axis=1))
     p, q = p[length > _SHORTEST_M], q[length > _SHORTEST_M]
-    rise, sink = np.array([0.0, 0.0, KERB]), np.array([0.0, 0.0, KERB_FOOT])
+    rise, sink = np.array([0.0, 0.0, KERB_HEIGHT_M]), np.array([0.0, 0.0, KERB_FOOT_M])
     quads = np.stack([q + sink, p + sink, p + rise, q + rise], axis=1)
     points = quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
     return _Piece(points, np.broadcast_to(swatch_uv("kerb_side"), (len(points), 2)).copy())
@@ -258,13 +264,13 @@ def _kerb_sides(border: Array) -> _Piece:
 
 def _flat_shaded(vertices: Array, uvs: Array) -> Mesh:
     """Return triangles with flat shading as a mesh, without degenerate ones."""
-    three = vertices.reshape(-1, 3, 3)
-    normal = np.cross(three[:, 1] - three[:, 0], three[:, 2] - three[:, 0])
+    corners = vertices.reshape(-1, 3, 3)
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.sqrt((normal * normal).sum(axis=1))
-    keep = length > _FLAT
+    keep = length > _NO_AREA_M2
     normal = normal[keep] / length[keep, None]
     return Mesh.loose(
-        three[keep].reshape(-1, 3),
+        corners[keep].reshape(-1, 3),
         np.repeat(normal, 3, axis=0),
         uvs.reshape(-1, 3, 2)[keep].reshape(-1, 2),
     )

@@ -14,7 +14,7 @@ from oodscen_pybullet._land.polygons import (
     rectangle_around,
     without_straight_corners,
 )
-from oodscen_pybullet._land.ribbons import PAINT, Ribbons, spanned_pieces, whole_pieces
+from oodscen_pybullet._land.ribbons import PAINT_M, Ribbons, spanned_pieces, whole_pieces
 from oodscen_pybullet._land.theme import Theme
 from oodscen_pybullet._land.ways import Way, strip_edges
 from oodscen_pybullet._types import Array, Mask, Strings
@@ -55,10 +55,10 @@ def mark_lanes(
         outlines: Crosswalks and stop lines, which interrupt the marks.
         theme: The kind of land.
     """
-    outside = (_junction_share(way) < 0.5) | (theme == "highway")
-    free = whole_pieces(outside) & ~_interrupted(way, outlines)
+    is_marked = (_junction_share(way) < 0.5) | (theme == "highway")
+    free = whole_pieces(is_marked) & ~_interrupted(way, outlines)
     dark = spanned_pieces(way, "tunnel")
-    height = layer + PAINT
+    height = layer + PAINT_M
     for mark in _edge_marks(way):
         double, single = free & mark.double, free & mark.single
         for side in (-_DOUBLE_M, _DOUBLE_M):
@@ -66,7 +66,7 @@ def mark_lanes(
         _line(ribbons, mark.t, _HALF_WIDTH_M, height, single, dark)
     for strip in way.corridor.strips:
         if strip.kind == "parking":
-            _bays(way, ribbons, strip, height, outside)
+            _bays(way, ribbons, strip, height, is_marked)
 
 
 class _EdgeMark(NamedTuple):
@@ -128,7 +128,7 @@ def _interrupted(way: Way, outlines: Sequence[PaintedArea]) -> Mask:
     They have no marks over the whole width of the road.
     """
     course, road = way.course, way.corridor
-    found = np.zeros(len(course.s) - 1, bool)
+    is_interrupted = np.zeros(len(course.s) - 1, bool)
     mouths = [0.0, road.length, *course.s[_junction_share(way) > 0.5].tolist()]
     for outline in outlines:
         corners = outline.points[:-1]
@@ -138,11 +138,11 @@ def _interrupted(way: Way, outlines: Sequence[PaintedArea]) -> Mask:
         left = float(np.interp(s, course.s, way.carriageway.left))
         if not (0.0 <= s <= road.length and right < t < left):
             continue
-        places = [road.locate(x, y)[0] for x, y in corners.tolist()]
-        places += [mouth for mouth in mouths if abs(mouth - s) < _MOUTH_M]
-        first, last = min(places) + _TOUCH_M, max(places) - _TOUCH_M
-        found |= (course.s[1:] > first) & (course.s[:-1] < last)
-    return found
+        ends = [road.locate(x, y)[0] for x, y in corners.tolist()]
+        ends += [mouth for mouth in mouths if abs(mouth - s) < _MOUTH_M]
+        first, last = min(ends) + _TOUCH_M, max(ends) - _TOUCH_M
+        is_interrupted |= (course.s[1:] > first) & (course.s[:-1] < last)
+    return is_interrupted
 
 
 def _dashes(course: RoadCourse) -> Mask:
@@ -151,10 +151,13 @@ def _dashes(course: RoadCourse) -> Mask:
     return np.asarray(course.middles % period < period / 3)
 
 
-def _line(ribbons: Ribbons, t: Array, half: float, height: float, where: Mask, dark: Mask) -> None:
+def _line(
+    ribbons: Ribbons, t: Array, half_width: float, height: float, where: Mask, dark: Mask
+) -> None:
+    """Paint a line in the open, and in another colour in tunnels."""
     heights = (height, height)
-    ribbons.band(t - half, t + half, "mark", heights=heights, where=where & ~dark)
-    ribbons.band(t - half, t + half, "mark_tunnel", heights=heights, where=where & dark)
+    ribbons.band(t - half_width, t + half_width, "mark", heights=heights, where=where & ~dark)
+    ribbons.band(t - half_width, t + half_width, "mark_tunnel", heights=heights, where=where & dark)
 
 
 def _parts_directions(strip: LaneStrip, neighbour: LaneStrip | None) -> bool:
@@ -165,19 +168,19 @@ def _parts_directions(strip: LaneStrip, neighbour: LaneStrip | None) -> bool:
     return are_lanes and strip.direction != neighbour.direction
 
 
-def _bays(way: Way, ribbons: Ribbons, strip: LaneStrip, height: float, outside: Mask) -> None:
+def _bays(way: Way, ribbons: Ribbons, strip: LaneStrip, height: float, is_marked: Mask) -> None:
     """Paint the lines between the bays of a parking strip."""
     course = way.course
     right, left = strip_edges(way.corridor, course, strip)
     bay = np.floor(course.s / _BAY_M)
     is_new = np.append(True, bay[1:] > bay[:-1])
-    for row in np.flatnonzero(outside & (left - right > _BAY_WIDTH_M) & is_new).tolist():
+    for row in np.flatnonzero(is_marked & (left - right > _BAY_WIDTH_M) & is_new).tolist():
         x, y, z = float(course.x[row]), float(course.y[row]), float(course.z[row]) + height
         cos, sin = float(course.cos[row]), float(course.sin[row])
-        a, b, half = float(right[row]), float(left[row]), _BAY_LINE_M
+        first, last, half = float(right[row]), float(left[row]), _BAY_LINE_M
         points = [
             (x + along * cos - t * sin, y + along * sin + t * cos, z)
-            for along, t in ((-half, a), (half, a), (half, b), (-half, b))
+            for along, t in ((-half, first), (half, first), (half, last), (-half, last))
         ]
         ribbons.patch(points, "mark_worn")
 
@@ -192,7 +195,7 @@ def paint_crossings(ground: Ground, ribbons: Ribbons) -> None:
         if not is_convex(outer) or (len(outer) != 4 and not is_line):
             outer = rectangle_around(outer)
         x, y = outer[:, 0], outer[:, 1]
-        corners = np.stack([x, y, ground.near(x, y).z + PAINT + _ABOVE_M], axis=1)
+        corners = np.stack([x, y, ground.near(x, y).z + PAINT_M + _ABOVE_M], axis=1)
         if is_line:
             ribbons.patch(corners, "mark")
         else:

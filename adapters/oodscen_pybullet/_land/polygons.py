@@ -20,16 +20,16 @@ def without_straight_corners(outline: Array) -> Array:
     count = len(outline)
     ring = np.concatenate([outline, outline])
     first, second = _farthest_apart(outline)
-    kept = {first, second}
+    corners = {first, second}
     pending = [(first, second), (second, first + count)]
     while pending:
         start, end = pending.pop()
         away = _distances(ring[start + 1 : end], ring[start], ring[end])
         if len(away) and away.max() > _STRAIGHT_M:
             corner = start + 1 + int(away.argmax())
-            kept.add(corner % count)
+            corners.add(corner % count)
             pending += [(start, corner), (corner, end)]
-    return outline[sorted(kept)]
+    return outline[sorted(corners)]
 
 
 def is_convex(outline: Array) -> bool:
@@ -63,14 +63,37 @@ def rectangle_around(outline: Array) -> Array:
     return best
 
 
+def convex_hull(points: Array) -> Array:
+    """Return the corners of the convex hull of points, [n, 3], seen from above, counter-clockwise.
+
+    Points within a millimetre of each other are one, as high as the last of them.
+    """
+    heights = {(round(x, 3), round(y, 3)): z for x, y, z in points.tolist()}
+    ordered = sorted((x, y, z) for (x, y), z in heights.items())
+    return np.array(_half_hull(ordered) + _half_hull(ordered[::-1]))
+
+
+def _half_hull(points: list[tuple[float, float, float]]) -> list[tuple[float, float, float]]:
+    """Return the corners of the hull's side on the right of ordered points, without the last one."""
+    hull: list[tuple[float, float, float]] = []
+    for x, y, z in points:
+        while len(hull) > 1:
+            (ax, ay, _), (bx, by, _) = hull[-2:]
+            if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:
+                break
+            hull.pop()
+        hull.append((x, y, z))
+    return hull[:-1]
+
+
 def _farthest_apart(points: Array) -> tuple[int, int]:
     """Return the rows of the two points, [n, 2], that are farthest apart, the lower one first."""
-    found, farthest = (0, 0), 0.0
+    pair, farthest = (0, 0), 0.0
     for row, point in enumerate(points):
         square = ((points[row:] - point) ** 2).sum(axis=1)
         if square.max() > farthest:
-            found, farthest = (row, row + int(square.argmax())), float(square.max())
-    return found
+            pair, farthest = (row, row + int(square.argmax())), float(square.max())
+    return pair
 
 
 def _distances(points: Array, start: Array, end: Array) -> Array:

@@ -10,7 +10,7 @@ from oodscen_pybullet._land.ground import Ground
 from oodscen_pybullet._land.theme import Theme
 from oodscen_pybullet._types import Array, Mask
 
-KERB = 0.10
+KERB_HEIGHT_M = 0.10
 """Height of pavements above the road, m."""
 PORTAL_M = 7.4
 """Height of a tunnel's portal above the road, m."""
@@ -95,7 +95,7 @@ class Relief:
     @property
     def lift(self) -> float:
         """Height of the ground above the adjacent asphalt, m; `heights` leaves it out."""
-        return KERB if self.ground.has_kerb else _UNKERBED_LIFT
+        return KERB_HEIGHT_M if self.ground.has_kerb else _UNKERBED_LIFT
 
     def heights(self, x: Array, y: Array) -> Heights:
         """Return the height of the ground at points."""
@@ -104,14 +104,14 @@ class Relief:
         ditch = np.zeros(len(x)) if self.ground.has_kerb else _ditch(away)
         spots = _Spots(near.s, away, near.z, ditch)
         beside = near.z + self._hills(x, y, away) + ditch
-        found = Heights(beside, beside, np.zeros(len(x), bool))
+        heights = Heights(beside, beside, np.zeros(len(x), bool))
         for structure in self.ground.corridor.structures:
             if structure.kind == "tunnel":
-                found = _with_tunnel(found, spots, structure)
+                heights = _with_tunnel(heights, spots, structure)
         for structure in self.ground.corridor.structures:
             if structure.kind == "bridge":
-                found = _with_valley(found, spots, structure)
-        return found
+                heights = _with_valley(heights, spots, structure)
+        return heights
 
     def _hills(self, x: Array, y: Array, away: Array) -> Array:
         """Return the height of undulations and hills at points at some distances from asphalt, m."""

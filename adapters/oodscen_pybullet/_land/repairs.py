@@ -3,7 +3,7 @@
 import numpy as np
 
 from oodscen.driving._roads.corridor import Corridor, LaneStrip
-from oodscen_pybullet._land.ribbons import LAYER, Ribbons, add_slab
+from oodscen_pybullet._land.ribbons import LAYER_M, Ribbons, add_slab
 from oodscen_pybullet._land.ways import Way
 
 _APART_M, _JITTER_M = 19.0, 7.0
@@ -38,9 +38,10 @@ def add_repairs_and_manholes(way: Way, ribbons: Ribbons, rng: np.random.Generato
     first, last = float(way.course.s[0]) + _FIRST_M, float(way.course.s[-1]) - _LAST_M
     for strip in way.corridor.strips:
         if strip.kind == "driving":
-            for place in np.arange(first, last, _APART_M).tolist():
-                s = place + float(rng.uniform(-_JITTER_M, _JITTER_M))
-                _add_at(s, way.corridor, strip, ribbons, rng)
+            for s in np.arange(first, last, _APART_M).tolist():
+                _add_at(
+                    s + float(rng.uniform(-_JITTER_M, _JITTER_M)), way.corridor, strip, ribbons, rng
+                )
 
 
 def _add_at(
@@ -66,7 +67,7 @@ def _add_at(
         length = float(rng.uniform(*_LENGTH_M))
         low = right + _RIM_M + float(rng.uniform(*_INWARDS_M))
         high = min(left - _RIM_M, low + float(rng.uniform(*_WIDTH_M)))
-        add_slab(road, ribbons, (s, s + length, low, high), LAYER, "asphalt_patch")
+        add_slab(road, ribbons, (s, s + length, low, high), LAYER_M, "asphalt_patch")
 
 
 def _add_manhole(road: Corridor, ribbons: Ribbons, s: float, t: float) -> None:

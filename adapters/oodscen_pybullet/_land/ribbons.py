@@ -13,9 +13,9 @@ from oodscen_pybullet._types import Array, Mask
 
 EdgeHeights = tuple[Array | float, Array | float]
 """Heights of the right and the left edge of a band above the road, m."""
-LAYER = 0.004
+LAYER_M = 0.004
 """Height between stacked layers of the road, m."""
-PAINT = 0.008
+PAINT_M = 0.008
 """Height of marks above the asphalt, m."""
 _NARROW_M = 1e-6
 """Width of a quad's end below which its other end gives its direction, m."""
@@ -96,8 +96,7 @@ class Ribbons:
         """Add a convex polygon, counter-clockwise seen from above, and shade it as if it were level."""
         corners = np.asarray(points, np.float64)
         for index in range(1, len(corners) - 1):
-            three = corners[[0, index, index + 1]]
-            self._vertices.append(three)
+            self._vertices.append(corners[[0, index, index + 1]])
             self._uvs.append(np.tile(swatch_uv(colour), (3, 1)))
             self._normals.append(np.tile(np.array([0.0, 0.0, 1.0]), (3, 1)))
 
@@ -118,11 +117,11 @@ def whole_pieces(samples: Mask) -> Mask:
 def spanned_pieces(way: Way, *kinds: str) -> Mask:
     """Return which pieces of a course have their middles within structures of the given kinds."""
     middles = way.course.middles
-    found = np.zeros(len(middles), bool)
+    is_spanned = np.zeros(len(middles), bool)
     for structure in way.corridor.structures:
         if structure.kind in kinds:
-            found |= (middles > structure.start) & (middles < structure.end)
-    return found
+            is_spanned |= (middles > structure.start) & (middles < structure.end)
+    return is_spanned
 
 
 def add_slab(

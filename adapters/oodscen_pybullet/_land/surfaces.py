@@ -1,18 +1,18 @@
-"""The surface of the roads: asphalt, medians, kerbs and rails, with the paint and wear on it."""
-
-from typing import NamedTuple
+"""The surface of the roads: asphalt, medians and rails, with the paint and wear on it."""
 
 import numpy as np
 
 from oodscen.driving._roads.corridor import DRIVABLE, LaneStrip
 from oodscen_pybullet._land.ground import Ground
-from oodscen_pybullet._land.land import KERB_FOOT
+from oodscen_pybullet._land.kerbs import Band, kerb_medians, raise_pavement, raise_tunnel_walk
+from oodscen_pybullet._land.land import KERB_FOOT_M
 from oodscen_pybullet._land.marks import mark_lanes, paint_crossings
-from oodscen_pybullet._land.relief import KERB
+from oodscen_pybullet._land.polygons import convex_hull
+from oodscen_pybullet._land.relief import KERB_HEIGHT_M
 from oodscen_pybullet._land.repairs import add_repairs_and_manholes
 from oodscen_pybullet._land.ribbons import (
-    LAYER,
-    PAINT,
+    LAYER_M,
+    PAINT_M,
     Ribbons,
     add_slab,
     spanned_pieces,
@@ -20,10 +20,8 @@ from oodscen_pybullet._land.ribbons import (
 )
 from oodscen_pybullet._land.theme import Theme
 from oodscen_pybullet._land.ways import Way, strip_edges
-from oodscen_pybullet._meshes.atlas import swatch_uv
 from oodscen_pybullet._meshes.mesh import Mesh
-from oodscen_pybullet._meshes.shapes import upright
-from oodscen_pybullet._types import Array, Mask
+from oodscen_pybullet._types import Array
 
 _LAYERS = 5
 """Layers below the ego's road over which other roads are spread, so that their asphalt does not flicker."""
@@ -43,10 +41,6 @@ _CHANGE_M = 0.05
 """Change of the road's width from which there is asphalt below its kerbs, m."""
 _BELOW_M = 2.6
 """Width of that asphalt, m."""
-_KERB_M = 0.16
-"""Width of a kerb, m."""
-_THIN_M = 1e-5
-"""Width of the side of a kerb seen from above, m."""
 _GAUGE_M, _SLEEPERS_M = 1.5, 0.65
 """Distance between the middles of two rails, and between two sleepers, m."""
 _RAIL_M = 0.05
@@ -63,31 +57,21 @@ def lay_roads(ground: Ground, theme: Theme, rng: np.random.Generator) -> Mesh:
         theme: Determines the material of shoulders and medians.
         rng: Draws the positions of asphalt repairs.
     """
-    parts = []
+    surfaces = []
     for index, way in enumerate(ground.ways):
-        layer = 0.0 if way.is_ego else -LAYER * (1 + index % _LAYERS)
-        ribbons = _Roadbed(way, theme, layer).laid(rng)
+        layer = 0.0 if way.is_ego else -LAYER_M * (1 + index % _LAYERS)
+        ribbons = _Roadbed(way, theme, layer).lay(rng)
         if way.is_track:
             _lay_track(way, ribbons)
         elif theme == "highway" or not way.is_connecting:
             mark_lanes(way, ribbons, layer, ground.corridor.crosswalks, theme)
         if way.is_ego:
             add_repairs_and_manholes(way, ribbons, rng)
-        parts.append(ribbons)
+        surfaces.append(ribbons)
     crossings = Ribbons(ground.ego.course)
     _lay_floors(ground, crossings)
     paint_crossings(ground, crossings)
-    return Mesh.joined([part.mesh() for part in [*parts, crossings]])
-
-
-class _Band(NamedTuple):
-    """A band along a road."""
-
-    right: Array
-    """[n], t of its right edge, m."""
-    left: Array
-    where: Mask
-    """[n - 1], the pieces where it is."""
+    return Mesh.joined([ribbons.mesh() for ribbons in (*surfaces, crossings)])
 
 
 class _Roadbed:
@@ -101,47 +85,48 @@ class _Roadbed:
         self._dark = spanned_pieces(way, "tunnel")
         self._spanned = spanned_pieces(way, "tunnel", "bridge")
 
-    def laid(self, rng: np.random.Generator) -> Ribbons:
-        """Return all strips; the generator draws where asphalt is worn."""
+    def lay(self, rng: np.random.Generator) -> Ribbons:
+        """Lay all strips, and return them; the generator draws where asphalt is worn."""
         way, ribbons = self._way, self._ribbons
-        medians: list[_Band] = []
+        medians: list[Band] = []
         if way.has_kerb:
             self._lay_below_kerbs()
         for strip in way.corridor.strips:
             right, left = strip_edges(way.corridor, way.course, strip)
-            band = _Band(right, left, whole_pieces((left - right) > _STRIP_M))
+            band = Band(right, left, whole_pieces((left - right) > _STRIP_M))
             if strip.kind in DRIVABLE:
                 self._lay_drivable(strip, band, rng)
             elif strip.kind == "rail":
                 ribbons.tiled_band(right, left, "gravel", heights=self._heights, where=band.where)
             elif strip.kind == "sidewalk":
-                _raise_tunnel_walk(ribbons, band._replace(where=band.where & self._dark))
+                raise_tunnel_walk(ribbons, band._replace(where=band.where & self._dark))
                 on_bridge = band.where & self._spanned & ~self._dark
-                _raise_pavement(ribbons, band._replace(where=on_bridge))
+                raise_pavement(ribbons, band._replace(where=on_bridge))
             else:
                 medians += self._lay_verge(band)
-        _kerb_medians(ribbons, medians)
+        kerb_medians(ribbons, medians)
         return ribbons
 
-    def _lay_drivable(self, strip: LaneStrip, band: _Band, rng: np.random.Generator) -> None:
+    def _lay_drivable(self, strip: LaneStrip, band: Band, rng: np.random.Generator) -> None:
+        """Lay asphalt or gravel, some of it worn."""
         way, ribbons, heights = self._way, self._ribbons, self._heights
         right_most, left_most = way.carriageway
         wider = _WIDER_WITH_KERB_M if way.has_kerb else _WIDER_M
         right = np.where(band.right <= right_most + _SEAM_M, band.right - wider, band.right)
         left = np.where(band.left >= left_most - _SEAM_M, band.left + wider, band.left)
-        dark, open_ = band.where & self._dark, band.where & ~self._dark
-        ribbons.band(right, left, "asphalt_tunnel", heights=heights, where=dark)
+        in_tunnel, in_open = band.where & self._dark, band.where & ~self._dark
+        ribbons.band(right, left, "asphalt_tunnel", heights=heights, where=in_tunnel)
         if strip.kind == "parking":
-            ribbons.band(right, left, "asphalt_light", heights=heights, where=open_)
+            ribbons.band(right, left, "asphalt_light", heights=heights, where=in_open)
             return
         surface = "gravel" if strip.kind == "shoulder" and self._theme == "rural" else "asphalt"
         if surface == "asphalt" and not way.is_connecting:
-            worn = open_ & (rng.uniform(size=len(open_)) < _WORN_SHARE)
+            worn = in_open & (rng.uniform(size=len(in_open)) < _WORN_SHARE)
             ribbons.tiled_band(right, left, "asphalt_worn", heights=heights, where=worn)
-            open_ = open_ & ~worn
-        ribbons.tiled_band(right, left, surface, heights=heights, where=open_)
+            in_open = in_open & ~worn
+        ribbons.tiled_band(right, left, surface, heights=heights, where=in_open)
 
-    def _lay_verge(self, band: _Band) -> list[_Band]:
+    def _lay_verge(self, band: Band) -> list[Band]:
         """Lay a median, or what lies beside the road on a bridge; return the median if it is raised."""
         right_most, left_most = self._way.carriageway
         right, left, is_there = band
@@ -149,13 +134,9 @@ class _Roadbed:
         is_inner = whole_pieces((right > right_most - _INNER_M) & (left < left_most + _INNER_M))
         is_raised = self._theme in ("residential", "urban")
         median = band._replace(where=is_there & is_inner & ~dark)
-        self._ribbons.band(
-            right,
-            left,
-            "gravel" if self._theme == "highway" else "grass",
-            heights=(KERB, KERB) if is_raised else heights,
-            where=median.where,
-        )
+        surface = "gravel" if self._theme == "highway" else "grass"
+        top = (KERB_HEIGHT_M, KERB_HEIGHT_M) if is_raised else heights
+        self._ribbons.band(right, left, surface, heights=top, where=median.where)
         outer = is_there & self._spanned & ~is_inner & ~dark
         self._ribbons.band(right, left, "concrete_dark", heights=heights, where=outer)
         self._ribbons.band(right, left, "tunnel_light", heights=heights, where=is_there & dark)
@@ -169,7 +150,7 @@ class _Roadbed:
         changes |= np.roll(changes, 1) | np.roll(changes, -1)
         if self._way.is_connecting:
             changes[:] = True
-        height = self._heights[0] + KERB_FOOT
+        height = self._heights[0] + KERB_FOOT_M
         self._ribbons.band(
             right - _BELOW_M, left + _BELOW_M, "asphalt", heights=(height, height), where=changes
         )
@@ -181,71 +162,9 @@ def _lay_track(way: Way, ribbons: Ribbons) -> None:
     along, across = _SLEEPER_M
     for s in np.arange(float(course.s[0]), float(course.s[-1]), _SLEEPERS_M).tolist():
         box = (s - along, s + along, -across, across)
-        add_slab(way.corridor, ribbons, box, -0.5 * LAYER, "wood")
+        add_slab(way.corridor, ribbons, box, -0.5 * LAYER_M, "wood")
     for t in (-0.5 * _GAUGE_M, 0.5 * _GAUGE_M):
-        ribbons.band(t - _RAIL_M, t + _RAIL_M, "rail", heights=(2.0 * PAINT, 2.0 * PAINT))
-
-
-# ------------------------------------------------------------------ kerbs
-
-
-def _kerb_medians(ribbons: Ribbons, medians: list[_Band]) -> None:
-    """Add kerbs along both edges of raised medians, except between two that touch."""
-    if not medians:
-        return
-    where = np.array([median.where for median in medians])
-    is_there = np.zeros((len(medians), where.shape[1] + 1), bool)
-    is_there[:, :-1] |= where
-    is_there[:, 1:] |= where
-    right = np.where(is_there, np.array([median.right for median in medians]), np.inf).min(axis=0)
-    left = np.where(is_there, np.array([median.left for median in medians]), -np.inf).max(axis=0)
-    is_any = is_there.any(axis=0)
-    right, left = np.where(is_any, right, 0.0), np.where(is_any, left, 0.0)
-    whole = _Band(right, left, np.logical_or.reduce(where, axis=0))
-    _add_kerbs(ribbons, whole, "kerb", "kerb_side")
-    _close_ends(ribbons, whole)
-
-
-def _close_ends(ribbons: Ribbons, median: _Band) -> None:
-    """Add upright faces where a raised median begins and ends."""
-    padded = np.concatenate([[False], median.where, [False]]).astype(int)
-    changes = np.flatnonzero(np.diff(padded)).tolist()
-    low = ribbons.course.points(median.right, KERB_FOOT)
-    high = ribbons.course.points(median.left, KERB)
-    uv = np.broadcast_to(swatch_uv("kerb_side"), (1, 4, 2))
-    for number, row in enumerate(changes):
-        (ax, ay, az), (bx, by, bz) = low[row].tolist(), high[row].tolist()
-        face = np.array([upright((bx, by), (ax, ay), az, bz)])
-        is_beginning = number % 2 == 0
-        ribbons.add_quads(face if is_beginning else face[:, [1, 0, 3, 2]], uv)
-
-
-def _raise_tunnel_walk(ribbons: Ribbons, band: _Band) -> None:
-    """Add a tunnel's walk at the height of a pavement, with kerbs."""
-    right, left, where = band
-    ribbons.band(right, left, "tunnel_light", heights=(KERB, KERB), where=where)
-    _add_kerbs(ribbons, band, "tunnel_light", "tunnel")
-
-
-def _raise_pavement(ribbons: Ribbons, band: _Band) -> None:
-    """Add a pavement with kerbs."""
-    right, left, where = band
-    ribbons.tiled_band(right, left, "paving", heights=(KERB, KERB), where=where)
-    _add_kerbs(ribbons, band, "kerb", "kerb_side")
-
-
-def _add_kerbs(ribbons: Ribbons, band: _Band, top: str, side: str) -> None:
-    """Add kerbs along both edges of a raised band, of the colours of their tops and sides."""
-    right, left, where = band
-    high = (KERB + LAYER, KERB + LAYER)
-    width = np.minimum(_KERB_M, 0.5 * np.maximum(left - right, 0.0))
-    ribbons.band(right, right + width, top, heights=high, where=where)
-    ribbons.band(left - width, left, top, heights=high, where=where)
-    ribbons.band(right - _THIN_M, right, side, heights=(KERB_FOOT, KERB), where=where)
-    ribbons.band(left, left + _THIN_M, side, heights=(KERB, KERB_FOOT), where=where)
-
-
-# ------------------------------------------------------------------ junctions
+        ribbons.band(t - _RAIL_M, t + _RAIL_M, "rail", heights=(2.0 * PAINT_M, 2.0 * PAINT_M))
 
 
 def _lay_floors(ground: Ground, ribbons: Ribbons) -> None:
@@ -253,28 +172,11 @@ def _lay_floors(ground: Ground, ribbons: Ribbons) -> None:
     edges: dict[str, list[Array]] = {}
     for way, other in zip(ground.ways[1:], ground.corridor.others, strict=True):
         if way.is_connecting:
-            both = [way.course.points(edge) for edge in way.carriageway]
-            edges.setdefault(other.junction, []).extend(both)
-    for points in edges.values():
-        cloud = np.concatenate(points)
-        cloud[:, 2] -= _FLOOR_M
-        hull = _convex(cloud)
+            points = [way.course.points(edge) for edge in way.carriageway]
+            edges.setdefault(other.junction, []).extend(points)
+    for junction_edges in edges.values():
+        corners = np.concatenate(junction_edges)
+        corners[:, 2] -= _FLOOR_M
+        hull = convex_hull(corners)
         if len(hull) > 2:
             ribbons.patch(hull, "asphalt")
-
-
-def _convex(points: Array) -> Array:
-    """Return the convex hull of points seen from above, counter-clockwise."""
-    rows = sorted({(round(x, 3), round(y, 3)): z for x, y, z in points.tolist()}.items())
-    chain: list[tuple[float, float, float]] = []
-    for sequence in (rows, rows[::-1]):
-        part: list[tuple[float, float, float]] = []
-        for (x, y), z in sequence:
-            while len(part) > 1:
-                (ax, ay, _), (bx, by, _) = part[-2], part[-1]
-                if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:
-                    break
-                part.pop()
-            part.append((x, y, z))
-        chain += part[:-1]
-    return np.array(chain)

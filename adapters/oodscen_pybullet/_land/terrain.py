@@ -12,7 +12,7 @@ from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._types import Array
 
 _GAP_M = 2.0
-"""Smallest distance between two points at corners of roads, m."""
+"""Grid to which points at corners of roads are rounded, m; equal ones are merged."""
 
 
 class Terrain:
@@ -33,13 +33,13 @@ class Terrain:
         self.islands = Islands.of(ground, self._corners)
         """The land enclosed by roads."""
         self._land = Land.drawn(self._relief, self._corners, self.islands, rng)
-        self._known: dict[tuple[float, float], float] = {}
+        self._heights: dict[tuple[float, float], float] = {}
 
     def height(self, x: float, y: float) -> float:
         """Return the height of the ground at a point, m."""
-        if (x, y) not in self._known:
-            self._known[x, y] = float(self._tops(np.array([x]), np.array([y]))[0])
-        return self._known[x, y]
+        if (x, y) not in self._heights:
+            self._heights[x, y] = float(self._tops(np.array([x]), np.array([y]))[0])
+        return self._heights[x, y]
 
     def surface(self, x: float, y: float) -> float:
         """Return the height of the surface at a point, road or ground, m."""
@@ -51,8 +51,7 @@ class Terrain:
         if len(x) == 0:
             return np.zeros(0)
         near = self.ground.near(x, y)
-        high = self._tops(x, y) - near.z
-        return np.where(near.asphalt > 0.0, high, 0.0)
+        return np.where(near.asphalt > 0.0, self._tops(x, y) - near.z, 0.0)
 
     def is_corner(self, x: float, y: float, reach: float) -> bool:
         """Return whether a point lies within `reach`, m, of a junction or tight bend."""
@@ -73,16 +72,12 @@ class Terrain:
 
 def _road_corners(ground: Ground) -> Array:
     """Return points along tight bends and paths through junctions, [n, 2]."""
-    found = []
+    corners = []
     for way in ground.ways:
-        line, road = way.course, way.corridor
-        bend = np.interp(line.s, road.s, np.abs(road.curvature))
-        is_tight = bend > TIGHT
-        if way.is_connecting:
-            is_tight[:] = True
-        is_tight |= np.interp(line.s, road.s, road.in_junction.astype(np.float64)) > 0.0
-        for edge in way.carriageway:
-            points = line.points(edge)[is_tight]
-            found.append(points[:, :2])
-    every = np.concatenate(found)
-    return np.asarray(np.unique(np.floor(every / _GAP_M + 0.5), axis=0) * _GAP_M)
+        course, road = way.course, way.corridor
+        is_corner = np.interp(course.s, road.s, np.abs(road.curvature)) > TIGHT
+        is_corner |= np.interp(course.s, road.s, road.in_junction.astype(np.float64)) > 0.0
+        is_corner |= way.is_connecting
+        corners += [course.points(edge)[is_corner, :2] for edge in way.carriageway]
+    cells = np.floor(np.concatenate(corners) / _GAP_M + 0.5)
+    return np.asarray(np.unique(cells, axis=0) * _GAP_M)

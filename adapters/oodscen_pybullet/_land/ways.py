@@ -67,11 +67,10 @@ class Way:
     is_connecting: bool
     """True if the road is only a path through a junction."""
     has_kerb: bool
-    name: str
 
     @classmethod
     def of(
-        cls, corridor: Corridor, course: RoadCourse, *, is_ego: bool, is_connecting: bool, name: str
+        cls, corridor: Corridor, course: RoadCourse, *, is_ego: bool, is_connecting: bool
     ) -> "Way":
         """Measure a road along its course."""
         firm = DRIVABLE | {"rail"}
@@ -85,7 +84,6 @@ class Way:
             is_ego=is_ego,
             is_connecting=is_connecting,
             has_kerb="sidewalk" in kinds or "curb" in marks,
-            name=name,
         )
 
     @property
@@ -126,15 +124,15 @@ class Way:
 def ways_of(corridor: Corridor) -> tuple[Way, ...]:
     """Return all roads around the ego's corridor, the ego's first."""
     course = RoadCourse.of(corridor)
-    ways = [Way.of(corridor, course, is_ego=True, is_connecting=False, name="ego")]
+    ways = [Way.of(corridor, course, is_ego=True, is_connecting=False)]
     for other in corridor.others:
         first, last = 0.0, other.corridor.length
         if not other.is_connecting:
-            rest = [corridor, *(c.corridor for c in corridor.others if c is not other)]
+            neighbours = [corridor, *(o.corridor for o in corridor.others if o is not other)]
             x, y = other.corridor.x, other.corridor.y
-            if not _meets(x[0], y[0], rest):
+            if not _meets(x[0], y[0], neighbours):
                 first -= _ONWARD_M
-            if not _meets(x[-1], y[-1], rest):
+            if not _meets(x[-1], y[-1], neighbours):
                 last += _ONWARD_M
         elif is_fast(corridor):
             # A motorway's lane ends within half a metre, where its exit takes it over.
@@ -145,7 +143,6 @@ def ways_of(corridor: Corridor) -> tuple[Way, ...]:
                 RoadCourse.between(other.corridor, first, last),
                 is_ego=False,
                 is_connecting=other.is_connecting,
-                name=other.road_id,
             )
         )
     return tuple(ways)
@@ -164,10 +161,10 @@ def _outline(corridor: Corridor, course: RoadCourse, kinds: frozenset[str]) -> O
     right, left = np.full(len(course.s), np.inf), np.full(len(course.s), -np.inf)
     for strip in corridor.strips:
         if strip.kind in kinds:
-            a, b = strip_edges(corridor, course, strip)
-            is_there = b - a > _NARROW_M
-            right = np.where(is_there, np.minimum(right, a), right)
-            left = np.where(is_there, np.maximum(left, b), left)
+            strip_right, strip_left = strip_edges(corridor, course, strip)
+            is_wide = strip_left - strip_right > _NARROW_M
+            right = np.where(is_wide, np.minimum(right, strip_right), right)
+            left = np.where(is_wide, np.maximum(left, strip_left), left)
     is_there = left > right
     return Outline(np.where(is_there, right, 0.0), np.where(is_there, left, 0.0))
 
@@ -192,6 +189,5 @@ def _distance(along: Array, outline: Outline, s: Array, t: Array, past: Array) -
 
 def _meets(x: float, y: float, roads: Iterable[Corridor]) -> bool:
     """Return whether the end of a road meets one of the others."""
-    return any(
-        bool(((r.x - x) ** 2 + (r.y - y) ** 2).min() < _MEETING_M * _MEETING_M) for r in roads
-    )
+    squares = (((road.x - x) ** 2 + (road.y - y) ** 2).min() for road in roads)
+    return any(bool(square < _MEETING_M * _MEETING_M) for square in squares)

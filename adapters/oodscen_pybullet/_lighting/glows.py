@@ -109,16 +109,16 @@ def add_glows(
         place = _place(view, lamp)
         if place is None:
             continue
-        seen = _facing(view, lamp) * _visible(depth, place)
-        if seen <= 0.0:
+        visible = _facing_share(view, lamp) * _visible_share(depth, place)
+        if visible <= 0.0:
             continue
         column, row, ahead = place
         size = math.sqrt(lamp.power)
-        strength = seen * exact.exp(-extinction * ahead) * _share_of_glow(lamp, light) * size
+        strength = visible * exact.exp(-extinction * ahead) * _glow_share(lamp, light) * size
         radius = max(_LEAST_PX, view.focal * _RADIUS_M * size / ahead)
         halo = min(radius * _spread(light, extinction), view.width * _WIDEST_HALO)
-        _add(image, column, row, radius * _CORE, _CORE_LIGHT * strength, _core(lamp))
-        _add(image, column, row, halo, _HALO_LIGHT * strength, lamp.colour)
+        _add_spot(image, column, row, radius * _CORE, _CORE_LIGHT * strength, _core(lamp))
+        _add_spot(image, column, row, halo, _HALO_LIGHT * strength, lamp.colour)
 
 
 def add_glare(image: U8, view: CameraView, depth: F32, light: Light) -> None:
@@ -130,26 +130,26 @@ def add_glare(image: U8, view: CameraView, depth: F32, light: Light) -> None:
     if place is None:
         return
     column, row, _ = place
-    visible = _visible(depth, _PixelPlace(column, row, _SKY_M))
+    visible = _visible_share(depth, _PixelPlace(column, row, _SKY_M))
     veil = _SCATTERED + (1.0 - _SCATTERED) * visible
     for disc in _GLARE:
         strength = disc.light * (veil if disc.is_veil else visible)
-        _add(image, column, row, view.width * disc.radius, strength, disc.colour)
+        _add_spot(image, column, row, view.width * disc.radius, strength, disc.colour)
 
 
 def _place(view: CameraView, lamp: Lamp) -> _PixelPlace | None:
     """Return the place in the picture of a lamp whose halo may reach into it."""
-    found = view.pixel(lamp.position)
-    if found is None:
+    pixel = view.pixel(lamp.position)
+    if pixel is None:
         return None
-    place = _PixelPlace(*found)
+    place = _PixelPlace(*pixel)
     reach = view.width * _BESIDE
     in_columns = -reach < place.column < view.width + reach
     in_rows = -reach < place.row < view.height + reach
     return place if in_columns and in_rows and place.depth <= _FARTHEST_M else None
 
 
-def _share_of_glow(lamp: Lamp, light: Light) -> float:
+def _glow_share(lamp: Lamp, light: Light) -> float:
     """Return the share of its glow in the dark that a lamp has at this daylight."""
     return lamp.by_day + (1.0 - lamp.by_day) * (1.0 - light.daylight)
 
@@ -160,7 +160,7 @@ def _spread(light: Light, extinction: float) -> float:
     return _HALO_BY_DAY + _HALO_IN_DARK * dark + _HALO_IN_FOG * murk * (_FOG_BY_DAY + dark)
 
 
-def _facing(view: CameraView, lamp: Lamp) -> float:
+def _facing_share(view: CameraView, lamp: Lamp) -> float:
     """Return the share of a lamp's light that shines towards the camera."""
     fx, fy, fz = lamp.facing
     if fx == fy == fz == 0.0:
@@ -170,7 +170,7 @@ def _facing(view: CameraView, lamp: Lamp) -> float:
     return max(0.0, min(1.0, _BEAM_GAIN * (fx * dx + fy * dy + fz * dz) / length))
 
 
-def _visible(depth: F32, place: _PixelPlace) -> float:
+def _visible_share(depth: F32, place: _PixelPlace) -> float:
     """Return the fraction of the pixels around a point that nothing in front of it occludes."""
     height, width = depth.shape
     c, r = round(place.column - 0.5), round(place.row - 0.5)
@@ -186,12 +186,12 @@ def _core(lamp: Lamp) -> Point:
     """Return the colour of a lamp's core: nearly white, or the colour of light-emitting diodes."""
     if lamp.by_day > _LED:
         return lamp.colour
-    red, green, blue = lamp.colour
-    own = 1.0 - _CORE_WHITE
-    return (_CORE_WHITE + own * red, _CORE_WHITE + own * green, _CORE_WHITE + own * blue)
+    coloured = 1.0 - _CORE_WHITE
+    red, green, blue = (_CORE_WHITE + coloured * part for part in lamp.colour)
+    return red, green, blue
 
 
-def _add(
+def _add_spot(
     image: U8, column: float, row: float, radius: float, strength: float, colour: Point
 ) -> None:
     """Add a round spot of coloured light."""

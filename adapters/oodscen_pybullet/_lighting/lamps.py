@@ -15,7 +15,7 @@ _DARK_ENOUGH = 0.3
 """Darkness from which lamps light the ground."""
 _BEHIND_M, _BEYOND_M, _BESIDE_M = 40.0, 10.0, 30.0
 """Distances of a lamp behind, beyond and beside the grid up to which it may light it, m."""
-_HEADLAMP = 3.5
+_HEADLAMP_POWER = 3.5
 """Least power with which a directional lamp casts a cone of light."""
 _STREET_M, _CONE_M, _ROUND_M = 26.0, 45.0, 9.0
 """Reach of a street lamp, of a cone, and of any other lamp of power 1, m."""
@@ -51,8 +51,8 @@ def ground_light(view: CameraView, lamps: Sequence[Lamp], light: Light) -> F32 |
     if dark < _DARK_ENOUGH:
         return None
     grid = np.zeros((GRID_AHEAD, GRID_ASIDE, 3), np.float32)
-    found = [_add_pool(grid, view, lamp, np.float32(dark)) for lamp in lamps]
-    return grid if any(found) else None
+    reaches = [_add_pool(grid, view, lamp, np.float32(dark)) for lamp in lamps]
+    return grid if any(reaches) else None
 
 
 def _add_pool(grid: F32, view: CameraView, lamp: Lamp, dark: np.float32) -> bool:
@@ -86,7 +86,8 @@ def _add_pool(grid: F32, view: CameraView, lamp: Lamp, dark: np.float32) -> bool
 
 
 def _has_cone(lamp: Lamp, facing: _Facing) -> bool:
-    return lamp.power >= _HEADLAMP and facing != (0.0, 0.0) and not lamp.is_street
+    """Return whether a lamp casts a cone of light, as headlamps do."""
+    return lamp.power >= _HEADLAMP_POWER and facing != (0.0, 0.0) and not lamp.is_street
 
 
 def _reach(lamp: Lamp, facing: _Facing) -> float:

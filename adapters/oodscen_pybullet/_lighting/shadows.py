@@ -7,6 +7,7 @@ sun and the camera's neighbourhood stay the same; actors are drawn over it for e
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -21,22 +22,22 @@ SIDE_M = 96.0
 """Length of a side of the map, m."""
 TILE = 16
 """Cells along a side of a tile; points above everything in a tile are lit without a closer look."""
-SNAP_M = 16.0
+_SNAP_M = 16.0
 """Step by which the map moves, m, so that scenery is not redrawn for every picture."""
-AHEAD_M = 38.0
+_AHEAD_M = 38.0
 """Distance from the camera forward to the map's centre, m."""
-LOWEST = 0.25
+_LOWEST = 0.25
 """Smallest slope of the sun's rays: the shadows of a lower sun would leave the map."""
 FAR_CELLS = 512
 """Cells along a side of the coarse map, which extends the fine one."""
 FAR_SIDE_M = 448.0
 """Length of a side of the coarse map, m."""
-FAR_SNAP_M = 64.0
-FAR_AHEAD_M = 150.0
-NOTHING = -1e6
+_FAR_SNAP_M, _FAR_AHEAD_M = 64.0, 150.0
+"""The same step and distance of the coarse map, m."""
+_NOTHING_M = -1e6
 """Height of an empty cell, m."""
-
-Key = tuple[float, ...]
+_MARGIN = 0.5
+"""Cells by which objects on the fine map are widened, so that thin ones are not lost."""
 _EDGE_ON = 1e-9
 """Twice the area below which the sun sees a triangle edge-on, cells^2."""
 
@@ -63,7 +64,7 @@ class Shade:
 
 @Kernel
 def cast(
-    some: Triangles,
+    objects: Triangles,
     sun: Array,
     frame: Array,
     skipped: int,
@@ -76,7 +77,7 @@ def cast(
     and cannot darken these by mistake.
 
     Args:
-        some: The objects.
+        objects: The objects.
         sun: [3] direction towards the sun.
         frame: [7] x and y of the map's corner, z of the ground, shift along x and y per metre of
             height, cells per metre, and the margin in cells by which all objects are widened.
@@ -84,11 +85,11 @@ def cast(
         heights: [n, n] heights of the map, changed in place.
         tiles: [n / TILE, n / TILE] tiles of the map, changed in place.
     """
-    spans, planes, kinds, places = some.spans, some.planes, some.kinds, some.places
+    spans, planes, kinds, places = objects.spans, objects.planes, objects.kinds, objects.places
     most = np.float64(heights.shape[0] - 1)
     corners = np.empty((3, 3))
     for index in range(spans.shape[0]):
-        if not _is_near(some, index, frame, most):
+        if not _is_near(objects, index, frame, most):
             continue
         c, s = places[index, 3], places[index, 4]
         sx, sy, sz = c * sun[0] + s * sun[1], c * sun[1] - s * sun[0], sun[2]
@@ -97,14 +98,14 @@ def cast(
                 continue
             if planes[k, 0] * sx + planes[k, 1] * sy + planes[k, 2] * sz >= 0.0:
                 continue
-            _drop(some, index, k, frame, corners)
+            _drop(objects, index, k, frame, corners)
             _fill(corners, most, frame[6], heights, tiles)
 
 
 @part
-def _is_near(some: Triangles, index: int, frame: Array, most: float) -> bool:
+def _is_near(objects: Triangles, index: int, frame: Array, most: float) -> bool:
     """Return whether an object's sphere may cast a shadow on the map."""
-    places, spheres = some.places, some.spheres
+    places, spheres = objects.places, objects.spheres
     x0, y0, level = frame[0], frame[1], frame[2]
     lean_x, lean_y, scale = frame[3], frame[4], frame[5]
     stretch = 1.0 + math.sqrt(lean_x * lean_x + lean_y * lean_y)
@@ -118,9 +119,9 @@ def _is_near(some: Triangles, index: int, frame: Array, most: float) -> bool:
 
 
 @part
-def _drop(some: Triangles, index: int, k: int, frame: Array, corners: Array) -> None:
+def _drop(objects: Triangles, index: int, k: int, frame: Array, corners: Array) -> None:
     """Write a triangle's shadow into `corners`: column, row and height of each."""
-    places, points = some.places, some.corners
+    places, points = objects.places, objects.corners
     x0, y0, level = frame[0], frame[1], frame[2]
     lean_x, lean_y, scale = frame[3], frame[4], frame[5]
     c, s = places[index, 3], places[index, 4]
@@ -185,21 +186,77 @@ def _fill(corners: Array, most: float, margin: float, heights: F32, tiles: F32) 
             tiles[tile_y, tile_x] = max(tiles[tile_y, tile_x], top)
 
 
+class _Map(NamedTuple):
+    """A map, and the highest of each tile's cells."""
+
+    heights: F32
+    tiles: F32
+
+    @classmethod
+    def empty(cls, cells: int) -> Self:
+        """Return a map without shadows."""
+        tiles = cells // TILE
+        return cls(
+            np.full((cells, cells), _NOTHING_M, np.float32),
+            np.full((tiles, tiles), _NOTHING_M, np.float32),
+        )
+
+    def copy(self) -> Self:
+        """Return the same map in memory of its own."""
+        return self._replace(heights=self.heights.copy(), tiles=self.tiles.copy())
+
+
+class _Rays(NamedTuple):
+    """The light that casts shadows."""
+
+    towards: Point
+    """Direction towards the light, steep enough for the map."""
+    skipped: int
+    """Kinds of triangles that cast no shadow."""
+
+    @property
+    def lean(self) -> tuple[float, float]:
+        """Shift of a shadow against x and y per metre of height."""
+        x, y, z = self.towards
+        return x / z, y / z
+
+
+class _Scenery:
+    """The shadows of scenery on one map, drawn once for a place and a direction of light."""
+
+    def __init__(self, cells: int) -> None:
+        self._cells = cells
+        self._key: tuple[float, ...] | None = None
+        self.map = _Map.empty(0)
+
+    def forget(self) -> None:
+        """Discard the map."""
+        self._key = None
+
+    def draw(self, scenery: Triangles, rays: _Rays, frame: Array) -> bool:
+        """Draw the map if it is not that of this frame; return whether it was drawn."""
+        key = (*frame.tolist(), *rays.towards, rays.skipped)
+        if key == self._key:
+            return False
+        self._key = key
+        self.map = _Map.empty(self._cells)
+        cast(scenery, np.array(rays.towards), frame, rays.skipped, *self.map)
+        return True
+
+
 class ShadowMap:
     """Keeps the shadow map of one stage."""
 
     def __init__(self) -> None:
         """Start without a map."""
-        self._key: Key | None = None
-        self._far_key: Key | None = None
-        self._far = np.empty((0, 0), np.float32)
-        self._heights = self._still = np.empty((0, 0), np.float32)
-        self._tiles = self._still_tiles = np.empty((0, 0), np.float32)
+        self._near, self._far = _Scenery(CELLS), _Scenery(FAR_CELLS)
+        self._map = _Map.empty(0)
         self._touched: list[tuple[slice, slice]] = []
 
     def forget(self) -> None:
         """Discard the map, for instance when the scenery changes."""
-        self._key = self._far_key = None
+        self._near.forget()
+        self._far.forget()
 
     def draw(
         self,
@@ -221,54 +278,40 @@ class ShadowMap:
             actors: The moving triangles.
             is_inside: Whether the camera is in a tunnel, whose roof then casts no shadow.
         """
-        towards = _raised(sun)
-        lean = (towards[0] / towards[2], towards[1] / towards[2])
+        rays = _Rays(_raised(sun), SHELTERED if is_inside else 0)
         level = math.floor(level)
-        corner = _corner(view, AHEAD_M, SNAP_M, SIDE_M)
-        frame = np.array([*corner, level, *lean, CELLS / SIDE_M, 0.5])
-        far_corner = _corner(view, FAR_AHEAD_M, FAR_SNAP_M, FAR_SIDE_M)
-        wide = np.array([*far_corner, level, *lean, FAR_CELLS / FAR_SIDE_M, 0.0])
-        skipped = SHELTERED if is_inside else 0
-        direction = np.array(towards)
-        far_key: Key = (*wide.tolist(), *towards, skipped)
-        if far_key != self._far_key:
-            self._far_key = far_key
-            self._far, tiles = _empty(FAR_CELLS)
-            cast(scenery, direction, wide, skipped, self._far, tiles)
-        key: Key = (*frame.tolist(), *towards, skipped)
-        if key != self._key:
-            self._key = key
-            self._still, self._still_tiles = _empty(CELLS)
-            cast(scenery, direction, frame, skipped, self._still, self._still_tiles)
-            self._heights, self._tiles = self._still.copy(), self._still_tiles.copy()
+        corner = _corner(view, _AHEAD_M, _SNAP_M, SIDE_M)
+        frame = np.array([*corner, level, *rays.lean, CELLS / SIDE_M, _MARGIN])
+        far_corner = _corner(view, _FAR_AHEAD_M, _FAR_SNAP_M, FAR_SIDE_M)
+        far_frame = np.array([*far_corner, level, *rays.lean, FAR_CELLS / FAR_SIDE_M, 0.0])
+        self._far.draw(scenery, rays, far_frame)
+        if self._near.draw(scenery, rays, frame):
+            self._map = self._near.map.copy()
             self._touched.clear()
-        for rows, columns in self._touched:
-            self._heights[rows, columns] = self._still[rows, columns]
-        np.copyto(self._tiles, self._still_tiles)
-        self._touched = _areas(actors, frame)
-        cast(actors, direction, frame, 0, self._heights, self._tiles)
+        self._add_actors(actors, rays, frame)
         return Shade(
-            heights=self._heights,
-            tiles=self._tiles,
+            heights=self._map.heights,
+            tiles=self._map.tiles,
             corner=corner,
             level=level,
-            far=self._far,
+            far=self._far.map.heights,
             far_corner=far_corner,
-            lean=lean,
+            lean=rays.lean,
         )
 
-
-def _empty(cells: int) -> tuple[F32, F32]:
-    """Return a map without shadows, and its tiles."""
-    tiles = cells // TILE
-    return np.full((cells, cells), NOTHING, np.float32), np.full(
-        (tiles, tiles), NOTHING, np.float32
-    )
+    def _add_actors(self, actors: Triangles, rays: _Rays, frame: Array) -> None:
+        """Draw actors over the scenery's shadows, in place of those of the last picture."""
+        heights, tiles = self._map
+        for rows, columns in self._touched:
+            heights[rows, columns] = self._near.map.heights[rows, columns]
+        np.copyto(tiles, self._near.map.tiles)
+        self._touched = _areas(actors, frame)
+        cast(actors, np.array(rays.towards), frame, 0, heights, tiles)
 
 
 def _raised(sun: Point) -> Point:
     """Return the direction towards the sun, raised until its rays are steep enough."""
-    rise = max(sun[2], LOWEST)
+    rise = max(sun[2], _LOWEST)
     flat = math.sqrt(sun[0] * sun[0] + sun[1] * sun[1]) or 1.0
     cosine = math.sqrt(1.0 - rise * rise)
     return (sun[0] / flat * cosine, sun[1] / flat * cosine, rise)
@@ -283,18 +326,20 @@ def _corner(view: CameraView, ahead: float, snap: float, side: float) -> tuple[f
     return (x, y)
 
 
-def _areas(some: Triangles, frame: Array) -> list[tuple[slice, slice]]:
+def _areas(objects: Triangles, frame: Array) -> list[tuple[slice, slice]]:
     """Return the rows and columns of the map that objects may cover."""
-    c, s = some.places[:, 3], some.places[:, 4]
-    x = some.places[:, 0] + c * some.spheres[:, 0] - s * some.spheres[:, 1]
-    y = some.places[:, 1] + s * some.spheres[:, 0] + c * some.spheres[:, 1]
-    z = some.places[:, 2] + some.spheres[:, 2] - frame[2]
-    reach = some.spheres[:, 3] * (1.0 + math.sqrt(frame[3] ** 2 + frame[4] ** 2)) * frame[5] + 2.0
+    c, s = objects.places[:, 3], objects.places[:, 4]
+    x = objects.places[:, 0] + c * objects.spheres[:, 0] - s * objects.spheres[:, 1]
+    y = objects.places[:, 1] + s * objects.spheres[:, 0] + c * objects.spheres[:, 1]
+    z = objects.places[:, 2] + objects.spheres[:, 2] - frame[2]
+    reach = (
+        objects.spheres[:, 3] * (1.0 + math.sqrt(frame[3] ** 2 + frame[4] ** 2)) * frame[5] + 2.0
+    )
     column, row = (x - frame[3] * z - frame[0]) * frame[5], (y - frame[4] * z - frame[1]) * frame[5]
     edges = np.stack([row - reach, row + reach, column - reach, column + reach])
     edges = np.clip(np.floor(edges), 0, CELLS).astype(int)
     return [
-        (slice(a, b + 1), slice(left, right + 1))
-        for a, b, left, right in edges.T.tolist()
-        if a < CELLS and left < CELLS and b > 0 and right > 0
+        (slice(low, high + 1), slice(left, right + 1))
+        for low, high, left, right in edges.T.tolist()
+        if low < CELLS and left < CELLS and high > 0 and right > 0
     ]

@@ -63,21 +63,21 @@ class Shelter:
 
     def covers(self, points: Array) -> Mask:
         """Return which points, [n, 3] m, lie in a tunnel, including its walls and ceiling."""
-        found = np.zeros(len(points), bool)
+        is_covered = np.zeros(len(points), bool)
         if not self._tunnels or not len(points):
-            return found
+            return is_covered
         road = self.corridor
         low = np.array([road.x.min(), road.y.min()]) - _AROUND_M
         high = np.array([road.x.max(), road.y.max()]) + _AROUND_M
-        some = np.flatnonzero(((points[:, :2] > low) & (points[:, :2] < high)).all(axis=1))
-        s, t = road.locate_all(points[some, 0], points[some, 1])
-        above = points[some, 2] - np.interp(s, road.s, road.z)
+        near = np.flatnonzero(((points[:, :2] > low) & (points[:, :2] < high)).all(axis=1))
+        s, t = road.locate_all(points[near, 0], points[near, 1])
+        above = points[near, 2] - np.interp(s, road.s, road.z)
         right = np.interp(s, road.s, road.strips[0].right) - _WALL_M
         left = np.interp(s, road.s, road.strips[-1].left) + _WALL_M
         within = (t > right) & (t < left) & (above > -_BELOW_M) & (above < CEILING_M + _SHELL_M)
         for tunnel in self._tunnels:
-            found[some] |= within & (s > tunnel.start) & (s < tunnel.end)
-        return found
+            is_covered[near] |= within & (s > tunnel.start) & (s < tunnel.end)
+        return is_covered
 
     def portal(self, view: CameraView) -> Portal | None:
         """Return the end of a tunnel that a camera looks at; `None` if there is none ahead."""
@@ -113,8 +113,8 @@ class Shelter:
     def _next_entrance(self, s: float, sign: float) -> float | None:
         """Return s of the next entrance; `None` if no tunnel lies ahead."""
         entrances = (tunnel.start if sign > 0.0 else tunnel.end for tunnel in self._tunnels)
-        ahead = (at for at in entrances if (at - s) * sign > 0.0)
-        return min(ahead, key=lambda at: abs(at - s), default=None)
+        ahead = (entrance for entrance in entrances if (entrance - s) * sign > 0.0)
+        return min(ahead, key=lambda entrance: abs(entrance - s), default=None)
 
     def _adaptation(self, s: float) -> float:
         """Return how far eyes in a tunnel are used to the dark, from 0 at its ends to 1."""
@@ -122,13 +122,15 @@ class Shelter:
         return min(1.0, min(s - tunnel.start, tunnel.end - s) / _USED_M)
 
     def _around(self, s: float) -> Structure:
+        """Return the tunnel around a place."""
         return next(tunnel for tunnel in self._tunnels if tunnel.start < s < tunnel.end)
 
     def _direction(self, s: float) -> tuple[float, float]:
+        """Return the cosine and the sine of the road's heading at s."""
         road = self.corridor
         return float(np.interp(s, road.s, road.cos)), float(np.interp(s, road.s, road.sin))
 
 
-def _along(way: Point, direction: tuple[float, float]) -> float:
+def _along(vector: Point, direction: tuple[float, float]) -> float:
     """Return the component of a vector along a level direction."""
-    return way[0] * direction[0] + way[1] * direction[1]
+    return vector[0] * direction[0] + vector[1] * direction[1]

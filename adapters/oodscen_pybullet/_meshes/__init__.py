@@ -12,9 +12,9 @@ from oodscen_pybullet._meshes.detailed import build_detailed
 from oodscen_pybullet._meshes.living import people, wheelchair
 from oodscen_pybullet._meshes.living.people import load_people
 from oodscen_pybullet._meshes.look import Appearance
-from oodscen_pybullet._meshes.made import is_made, learned, made_mesh
+from oodscen_pybullet._meshes.made import design_mesh, is_registered, register_design
 from oodscen_pybullet._meshes.mesh import Lamp, Mesh, Puff
-from oodscen_pybullet._meshes.objects import cargo, fires, flat, plants, props, signs
+from oodscen_pybullet._meshes.objects import cargo, fires, flat, lights, plants, props, signs
 from oodscen_pybullet._meshes.vehicles import ego, riders, wrecks
 from oodscen_pybullet._types import Point
 
@@ -28,19 +28,32 @@ __all__ = [
     "Puff",
     "asset_ids",
     "asset_mesh",
-    "learned",
     "paints_of",
+    "register_design",
 ]
 
-_MODULES = (ego, riders, wrecks, people, wheelchair, props, cargo, flat, fires, signs, plants)
+_MODULES = (
+    ego,
+    riders,
+    wrecks,
+    people,
+    wheelchair,
+    props,
+    cargo,
+    flat,
+    fires,
+    signs,
+    lights,
+    plants,
+)
 _STILL: dict[str, Callable[[MeshBuilder], None]] = {
     maker.__name__: maker for module in _MODULES for maker in getattr(module, "STILL", ())
 }
-"""Assets that always look the same and that take arithmetic to describe, by id."""
+"""Builders of assets that always look the same and take arithmetic to describe, by id."""
 _VARIED: dict[str, Callable[[MeshBuilder, Appearance], None]] = {
     maker.__name__: maker for module in _MODULES for maker in getattr(module, "VARIED", ())
 }
-"""Assets whose shape depends on their state, their clothes or a frame in ways of their own."""
+"""Builders of assets whose shape depends on state, clothes or frame in ways of their own, by id."""
 
 PAINTS: dict[str, tuple[str, ...]] = {k: tuple(v) for k, v in LOOKS["paints"].items()}
 """Colours or clothes of assets; an asset without an entry has one look."""
@@ -82,29 +95,30 @@ def asset_mesh(
     """Return the mesh of an asset.
 
     Args:
-        asset: An id of the catalogue, or of a learned design.
+        asset: An id of the catalogue, or of a registered design.
         state: A state of the asset.
         paint: A look of the asset; empty selects the first.
         running: Whether head and tail lamps are on.
         frame: Animation frame, see `appearance.Look.frame`.
-        details: Pose, open parts ...; what is held or loaded may be a learned design.
+        details: Pose, open parts ...; what is held or loaded may be a registered design.
 
     Raises:
         UnknownComponent: If no asset has this id.
     """
-    if is_made(asset):
-        return made_mesh(asset, state, asset_mesh)
+    if is_registered(asset):
+        return design_mesh(asset, state, asset_mesh)
     if asset not in asset_ids():
         raise UnknownComponent("asset", asset, asset_ids())
     paint = paint or paints_of(asset)[0]
     if details is not None:
         shown = Appearance(state, details.colour or paint, running, frame, details)
-        return build_detailed(asset, shown, _made, asset_mesh).build()
+        return build_detailed(asset, shown, _assemble, asset_mesh).build()
     shown = Appearance(state, paint, running, frame)
-    return _made(asset, shown).shift(_rest(asset)).build()
+    return _assemble(asset, shown).shift(_centring(asset)).build()
 
 
-def _made(asset: str, shown: Appearance) -> MeshBuilder:
+def _assemble(asset: str, shown: Appearance) -> MeshBuilder:
+    """Return a builder that holds an asset without details, where its design has it."""
     if asset in load_designs():
         return assemble(asset, shown)
     mesh = MeshBuilder()
@@ -118,7 +132,7 @@ def _made(asset: str, shown: Appearance) -> MeshBuilder:
 
 
 @lru_cache(maxsize=512)
-def _rest(asset: str) -> Point:
+def _centring(asset: str) -> Point:
     """Return the offset that centres an asset's footprint, at rest, on the origin."""
-    low, high = _made(asset, Appearance(paint=paints_of(asset)[0])).bounds
+    low, high = _assemble(asset, Appearance(paint=paints_of(asset)[0])).bounds
     return (-float(low[0] + high[0]) / 2, -float(low[1] + high[1]) / 2, -float(low[2]))

@@ -87,10 +87,10 @@ def nearest_swatches(uvs: Array) -> Array:
         return uvs
     palette = np.array(list(COLOURS.values()))
     away = ((rows[is_free, None, :3] - palette) ** 2).sum(axis=2)
-    near = np.array([swatch_uv(_NAMES[index]) for index in away.argmin(axis=1)])
-    found = uvs.copy()
-    found[is_free] = near
-    return found
+    nearest = np.array([swatch_uv(_NAMES[index]) for index in away.argmin(axis=1)])
+    swatches = uvs.copy()
+    swatches[is_free] = nearest
+    return swatches
 
 
 def region_uv(name: str) -> Array:
@@ -111,10 +111,8 @@ def draw_atlas(snow: Snow = Snow.NONE) -> U8:
     if snow >= Snow.ROADS:
         colours.update(SNOWED_ROADS)
     for index, name in enumerate(_NAMES):
-        row, column = divmod(index, SIZE // SWATCH)
-        image[row * SWATCH : (row + 1) * SWATCH, column * SWATCH : (column + 1) * SWATCH] = colours[
-            name
-        ]
+        top, left = (SWATCH * cell for cell in divmod(index, SIZE // SWATCH))
+        image[top : top + SWATCH, left : left + SWATCH] = colours[name]
     paint_regions(image, REGIONS, colours)
     image.flags.writeable = False
     return image

@@ -240,7 +240,9 @@ class MeshBuilder:
         """
         turns = [2 * math.pi * (i + 0.5) / sides for i in range(sides)]
         circle = [(cos(turn), sin(turn)) for turn in turns]
-        ellipses = [_ellipse(*one, axis, circle) for one in rings]
+        ellipses = [
+            _ellipse(centre, first, second, axis, circle) for centre, first, second in rings
+        ]
         names = [colours] * (len(rings) - 1) if isinstance(colours, str) else list(colours)
         for (low, low_outward), (high, high_outward), name in zip(
             ellipses[:-1], ellipses[1:], names, strict=True
@@ -346,10 +348,12 @@ class MeshBuilder:
         """Scale everything added so far about the origin, then move it."""
         move = np.array(offset)
         self._points = [rows * scale + move for rows in self._points]
-        self._lamps = [replace(p, position=moved(p.position, scale, offset)) for p in self._lamps]
+        self._lamps = [
+            replace(lamp, position=moved(lamp.position, scale, offset)) for lamp in self._lamps
+        ]
         self._puffs = [
-            replace(p, position=moved(p.position, scale, offset), radius=p.radius * scale)
-            for p in self._puffs
+            replace(puff, position=moved(puff.position, scale, offset), radius=puff.radius * scale)
+            for puff in self._puffs
         ]
         return self
 

@@ -11,40 +11,41 @@ from oodscen.data._shapes import Part
 from oodscen_pybullet._catalogue import load_catalogue
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs import heaps, surfaces  # noqa: F401  # register their shapes
-from oodscen_pybullet._meshes.designs.parts import Holder, Placing, add, held
+from oodscen_pybullet._meshes.designs.parts import Holder, Placing, add, placed_parts
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._meshes.shapes import rotation
 from oodscen_pybullet._types import Point
 
-_MARK = "@"
+_SEPARATOR = "@"
+"""Between a design's name and its digest; ids of the catalogue hold none."""
 _DESIGNS: dict[str, Prop] = {}
 """Every design that a scene of this process has brought along, by name and content."""
 
 
-def learned(prop: Prop) -> str:
-    """Keep a design, and return the id under which `made_mesh` knows it: its name and content."""
-    key = f"{prop.id}{_MARK}{prop.digest()[:24]}"
+def register_design(prop: Prop) -> str:
+    """Keep a design, and return the id under which `design_mesh` knows it: its name and content."""
+    key = f"{prop.id}{_SEPARATOR}{prop.digest()[:24]}"
     _DESIGNS.setdefault(key, prop)
     return key
 
 
-def is_made(asset: str) -> bool:
-    """Return whether an id is that of a learned design."""
-    return _MARK in asset
+def is_registered(asset: str) -> bool:
+    """Return whether an id is that of a registered design."""
+    return _SEPARATOR in asset
 
 
-def made_mesh(asset: str, state: str, shipped: Callable[[str, str], Mesh]) -> Mesh:
-    """Return the mesh of a learned design; its box's footprint is centred on the origin.
+def design_mesh(asset: str, state: str, find_mesh: Callable[[str, str], Mesh]) -> Mesh:
+    """Return the mesh of a registered design; its box's footprint is centred on the origin.
 
     Args:
-        asset: The id from `learned`.
+        asset: The id from `register_design`.
         state: One of its states.
-        shipped: Returns the mesh of a thing of the catalogue in a state.
+        find_mesh: Returns the mesh of a thing of the catalogue in a state.
     """
     prop = _DESIGNS[asset]
     mesh = MeshBuilder()
-    _add_all(prop.parts, mesh, Appearance(state), Placing(), shipped)
+    _add_parts(prop.parts, mesh, Appearance(state), Placing(), find_mesh)
     low, high, _ = prop.space(_sizes())
     x, y = (low[0] + high[0]) / 2, (low[1] + high[1]) / 2
     if mesh.is_empty:
@@ -58,24 +59,24 @@ def _sizes() -> dict[str, Point]:
     return sizes_of(load_catalogue().assets)
 
 
-def _add_all(
+def _add_parts(
     parts: tuple[Part, ...],
     mesh: MeshBuilder,
     shown: Appearance,
     place: Placing,
-    shipped: Callable[[str, str], Mesh],
+    find_mesh: Callable[[str, str], Mesh],
 ) -> None:
-    """Add parts; those that hold others are opened here, since a shipped thing may be among them."""
+    """Add parts; those that hold others are opened here, since a thing of the catalogue may be among them."""
     for part in parts:
         if isinstance(part, Holder):
-            for one, there in held(part, place, lambda word, _: word == shown.state):
-                _add_all((one,), mesh, shown, there, shipped)
+            for inner, placing in placed_parts(part, place, lambda word, _: word == shown.state):
+                _add_parts((inner,), mesh, shown, placing, find_mesh)
         elif isinstance(part, shapes.TurnedOf):
-            whole = MeshBuilder()
-            _add_all(part.turned, whole, shown, Placing(), shipped)
-            insert_turned(mesh, whole.build(), part, place)
+            group = MeshBuilder()
+            _add_parts(part.turned, group, shown, Placing(), find_mesh)
+            insert_turned(mesh, group.build(), part, place)
         elif isinstance(part, shapes.AssetPart):
-            insert_turned(mesh, shipped(part.asset, part.state), part, place)
+            insert_turned(mesh, find_mesh(part.asset, part.state), part, place)
         else:
             add(part, mesh, shown, place)
 

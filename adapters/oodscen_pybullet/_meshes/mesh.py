@@ -108,8 +108,8 @@ class Mesh:
             scale: The factor.
         """
 
-        def point(one: Point) -> Point:
-            x, y, z = (rotated((np.array([one]) - about) * scale, turn)[0] + to).tolist()
+        def point(before: Point) -> Point:
+            x, y, z = (rotated((np.array([before]) - about) * scale, turn)[0] + to).tolist()
             return x, y, z
 
         def direction(way: Point) -> Point:

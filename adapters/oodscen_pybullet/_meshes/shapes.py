@@ -15,6 +15,8 @@ CIRCLE = tuple(
     for c, s in ((1.0, 0.0), (0.9239, 0.3827), (0.7071, 0.7071), (0.3827, 0.9239))
 )
 """Sixteen points on the unit circle, counter-clockwise."""
+GOLDEN_ANGLE = 2.399963
+"""Angle between neighbours of a sunflower's seeds, rad: turns by it spread things evenly."""
 LEAST_LENGTH = 1e-9
 """Length up to which a vector has no direction, and by which it is divided at least."""
 

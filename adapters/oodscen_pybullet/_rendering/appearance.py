@@ -12,23 +12,31 @@ from oodscen.driving._sight.lamps import STANDING, has_lamps_on, is_braking, wai
 from oodscen.numerics import _exact as exact
 from oodscen_pybullet._meshes import FLASHING, GAITS, SMOKING, Mesh, asset_mesh, paints_of
 from oodscen_pybullet._meshes.living.poses import pose_of
-from oodscen_pybullet._meshes.look import BEATS, STEPS, Direction, beating, reacting
+from oodscen_pybullet._meshes.look import (
+    BEATS,
+    RUNNING,
+    STEPS,
+    WALKING,
+    Direction,
+    beating,
+    reacting,
+)
 from oodscen_pybullet._meshes.tilting import UPRIGHT, Tilt, tilted
 from oodscen_pybullet._types import Pose
 
-RUNNING = 2.4
-"""Speed above which legs run, in walking strides per second."""
+_RUNNING, _RUNNING_STRIDE = 2.4, 1.7
+"""Speed above which legs run, in walking strides per second, and the length of a running stride in walking ones."""
 _SIGNALS = frozenset({"signal", "work_zone"})
 """Categories of assets whose state may begin at a trigger."""
-_FLASHES = 1.5
+_FLASHES_HZ = 1.5
 """Cycles of a flashing lamp per second; it is lit for two thirds of each."""
-_PUFFS = 6.0
+_PUFFS_HZ = 6.0
 """Frames of smoke per second."""
 _WARNED_S = 3.2
 """Time to arrival of the ego below which a person in its way reacts, s."""
-_IN_THE_WAY = 2.2
+_IN_THE_WAY_M = 2.2
 """Distance from the middle of the ego's way within which a person reacts, m."""
-_APPROACHING = 3.0
+_APPROACHING_MPS = 3.0
 """Least speed of an ego that people react to, m/s."""
 _AMBER_S = 2.0
 """Time for which a signal is amber before it is red, s."""
@@ -57,6 +65,21 @@ class Look(NamedTuple):
     tilt: Tilt = UPRIGHT
 
 
+class _Body(NamedTuple):
+    """A body of a scene, as far as it does not change."""
+
+    asset: Asset
+    state: str
+    """The state that the scene gives it."""
+    paint: str
+    has_lamps_on: bool
+    waits: bool
+    """True if its driver waits in traffic."""
+    details: Details | None
+    """Its details, with the ids of meshes for things made to order."""
+    trigger: Trigger
+
+
 class SceneBodies:
     """The bodies of one scene and their appearance, the ego first."""
 
@@ -69,18 +92,13 @@ class SceneBodies:
         """
         self._scene = scene
         self._seed = seed
-        self._members: list[tuple[Asset, str, str, bool, bool]] = []
-        self._details = {
-            actor.id: actor.details for actor in scene.actors if actor.details is not None
-        }
-        self._shown: list[Details | None] = []
-        self._triggers: list[Trigger] = []
-        self._given = {actor.id: actor.behaviour.trigger for actor in scene.actors}
+        self._bodies: list[_Body] = []
+        self._actors = {actor.id: actor for actor in scene.actors}
 
     @property
     def assets(self) -> list[Asset]:
         """The assets of all bodies, the ego's first."""
-        return [asset for asset, *_ in self._members]
+        return [body.asset for body in self._bodies]
 
     def add(
         self, actor_id: str, asset: Asset, state: str, made: Mapping[str, str] | None = None
@@ -93,11 +111,17 @@ class SceneBodies:
             state: A state of the asset.
             made: Ids of meshes by the names of the things made to order.
         """
-        paint = _paint(self._seed, actor_id, asset.id)
-        waits = waits_in_traffic(self._scene, actor_id)
-        self._members.append((asset, state, paint, has_lamps_on(self._scene, actor_id), waits))
-        self._triggers.append(self._given.get(actor_id, Trigger()))
-        self._shown.append(_drawn(self._details.get(actor_id), made or {}))
+        actor = self._actors.get(actor_id)
+        body = _Body(
+            asset=asset,
+            state=state,
+            paint=_choose_paint(self._seed, actor_id, asset.id),
+            has_lamps_on=has_lamps_on(self._scene, actor_id),
+            waits=waits_in_traffic(self._scene, actor_id),
+            details=_with_meshes(actor.details if actor else None, made or {}),
+            trigger=actor.behaviour.trigger if actor else Trigger(),
+        )
+        self._bodies.append(body)
 
     def looks(
         self,
@@ -117,25 +141,29 @@ class SceneBodies:
             time: Time since the start, s.
         """
         looks = []
-        for row, ((asset, given, paint, runs, waits), pose, speed, acceleration) in enumerate(
-            zip(self._members, poses, speeds, accelerations, strict=True)
+        for body, pose, speed, acceleration, fired_at in zip(
+            self._bodies, poses, speeds, accelerations, fired, strict=True
         ):
-            state = given
+            asset, state, details = body.asset, body.state, body.details
             if asset.category in _SIGNALS:
-                state = phase_of(given, self._triggers[row], fired[row], time)
-            shown = state
-            brakes = is_braking(speed, acceleration, waits=waits)
-            if brakes and "brake" in asset.states and state != "unlit":
-                shown = "brake" if state in ("", "off", "brake") else f"{state}+brake"
+                state = phase_of(state, body.trigger, fired_at, time)
             frame = frame_of(asset.id, state, pose, speed, time)
             if asset.category == "pedestrian" and asset.id in GAITS:
-                warned = seen_coming(pose, poses[0], speeds[0])
-                frame = reacting(frame, warned) if warned else frame
-            details = self._shown[row]
+                direction = seen_coming(pose, poses[0], speeds[0])
+                frame = reacting(frame, direction) if direction else frame
             if details is not None:
                 frame = beating(frame, beat_of(details, pose, speed, time))
-            looks.append(Look(asset.id, shown, paint, runs, frame, details))
+            if is_braking(speed, acceleration, waits=body.waits) and "brake" in asset.states:
+                state = _with_brake_lamps(state)
+            looks.append(Look(asset.id, state, body.paint, body.has_lamps_on, frame, details))
         return looks
+
+
+def _with_brake_lamps(state: str) -> str:
+    """Return a vehicle's state with its brake lamps lit, unless all lamps are dead."""
+    if state == "unlit":
+        return state
+    return "brake" if state in ("", "off", "brake") else f"{state}+brake"
 
 
 def phase_of(state: str, trigger: Trigger, fired: float, time: float) -> str:
@@ -171,8 +199,8 @@ def seen_coming(pose: Pose, ego: Pose, speed: float) -> Direction | None:
     dx, dy = pose[0] - ego[0], pose[1] - ego[1]
     s, c = exact.sincos(ego[3])
     ahead, aside = c * dx + s * dy, c * dy - s * dx
-    is_near = speed >= _APPROACHING and 0.0 < ahead < _WARNED_S * speed
-    if not is_near or abs(aside) > _IN_THE_WAY:
+    is_near = speed >= _APPROACHING_MPS and 0.0 < ahead < _WARNED_S * speed
+    if not is_near or abs(aside) > _IN_THE_WAY_M:
         return None
     s, c = exact.sincos(pose[3])
     before, left = -c * dx - s * dy, s * dx - c * dy
@@ -197,27 +225,27 @@ def frame_of(asset: str, state: str, pose: Pose, speed: float, time: float) -> i
     Legs follow the position along the heading; lamps and smoke follow the time.
     """
     if asset in GAITS:
-        return _step(GAITS[asset], pose, speed)
+        return _leg_frame(GAITS[asset], pose, speed)
     if state in FLASHING or asset in FLASHING:
         return 0 if is_lit(time) else 1
     if asset in SMOKING:
-        return math.floor(time * _PUFFS + _ROUNDING) % STEPS
+        return math.floor(time * _PUFFS_HZ + _ROUNDING) % STEPS
     return 0
 
 
 def beat_of(details: Details, pose: Pose, speed: float, time: float) -> int:
     """Return the beat of an actor's pose: by the time, or by the position along the heading."""
-    known = pose_of(details)
-    if known is None or known.second is None:
+    cycle = pose_of(details)
+    if cycle is None or cycle.second is None:
         return 0
-    if known.period_s is not None:
-        return math.floor(time * BEATS / known.period_s + _ROUNDING) % BEATS
-    if known.stride_m is None or abs(speed) < STANDING:
+    if cycle.period_s is not None:
+        return math.floor(time * BEATS / cycle.period_s + _ROUNDING) % BEATS
+    if cycle.stride_m is None or abs(speed) < STANDING:
         return 0
-    return _share(known.stride_m, pose, BEATS)
+    return _step_along(cycle.stride_m, pose, BEATS)
 
 
-def _drawn(details: Details | None, made: Mapping[str, str]) -> Details | None:
+def _with_meshes(details: Details | None, made: Mapping[str, str]) -> Details | None:
     """Return details with the ids of meshes in place of the names of things made to order."""
     if details is None or not made:
         return details
@@ -225,8 +253,8 @@ def _drawn(details: Details | None, made: Mapping[str, str]) -> Details | None:
     return details.model_copy(update={key: made.get(name, name) for key, name in named.items()})
 
 
-def _share(length: float, pose: Pose, steps: int) -> int:
-    """Return the step that the position along the heading has reached, of those in a length."""
+def _step_along(length: float, pose: Pose, steps: int) -> int:
+    """Return the step that the position along the heading has reached, of those in a length, m."""
     x, y, _, yaw = pose
     s, c = exact.sincos(yaw)
     way = (x * c + y * s) / length
@@ -235,19 +263,20 @@ def _share(length: float, pose: Pose, steps: int) -> int:
 
 def is_lit(time: float) -> bool:
     """Return whether flashing lamps are lit at a time, s."""
-    return math.floor(time * _FLASHES * 3.0 + _ROUNDING) % 3 < 2
+    return math.floor(time * _FLASHES_HZ * 3.0 + _ROUNDING) % 3 < 2
 
 
-def _step(stride: float, pose: Pose, speed: float) -> int:
+def _leg_frame(stride_m: float, pose: Pose, speed: float) -> int:
+    """Return the frame of legs that stand, walk or run, given the length of a walking stride."""
     pace = abs(speed)
     if pace < STANDING:
         return 0
-    runs = pace > RUNNING * stride
-    step = _share(stride * (1.7 if runs else 1.0), pose, STEPS)
-    return 1 + step + (STEPS if runs else 0)
+    if pace > _RUNNING * stride_m:
+        return RUNNING + _step_along(_RUNNING_STRIDE * stride_m, pose, STEPS)
+    return WALKING + _step_along(stride_m, pose, STEPS)
 
 
-def _paint(seed: int, actor_id: str, asset: str) -> str:
+def _choose_paint(seed: int, actor_id: str, asset: str) -> str:
     """Choose an actor's paint, the same in a scene and its twin."""
     paints = paints_of(asset)
     return paints[int(stream(seed, "paint", actor_id).integers(len(paints)))]

@@ -16,7 +16,7 @@ from oodscen_pybullet._meshes.wavefront import wavefront
 from oodscen_pybullet._rendering.appearance import Look, mesh_of
 from oodscen_pybullet._rendering.stage import Shot
 from oodscen_pybullet._rendering.view import CameraView, metres
-from oodscen_pybullet._types import F32, I32, U8, Pose
+from oodscen_pybullet._types import F32, I32, U8, Ints, Pose
 
 _MOST_TRIANGLES = 20_000
 """Triangles per shape; PyBullet accepts no more than about 130,000 corners."""
@@ -39,7 +39,7 @@ class BulletRenderer:
         self._casts_shadows = casts_shadows
         self._client: int = engine.connect(engine.DIRECT)
         self._folder = temporary_folder()
-        self._written = 0
+        self._files = 0
         self._textures: dict[Snow, int] = {}
         self._shapes: dict[object, int] = {}
         self._snow = Snow.NONE
@@ -133,25 +133,28 @@ class BulletRenderer:
         shape = (view.height, view.width)
         rgb = np.ascontiguousarray(np.reshape(rgba, (*shape, 4))[..., :3], dtype=np.uint8)
         depth = metres(np.reshape(buffer, shape).astype(np.float32, copy=False))
-        seen = np.reshape(bodies, shape).astype(np.int64)
-        rows = np.full(max([*self._rows, 0]) + 2, -1, np.int32)
-        for body, row in self._rows.items():
-            rows[body + 1] = row
-        seen = np.where((seen >= 0) & (seen < len(rows) - 1), seen + 1, 0)
+        rows = self._actor_rows(np.reshape(bodies, shape))
         return Shot(
             rgb=_smooth(rgb, depth),
             depth=depth,
-            rows=rows[seen],
+            rows=rows,
             reach=depth,
             sky=np.where(np.isinf(depth), np.uint8(255), np.uint8(0)),
             lit=np.zeros(shape, np.uint8),
             kinds=None,
         )
 
+    def _actor_rows(self, bodies: Ints) -> I32:
+        """Return the rows of actors by the engine's ids, -1 for scenery and sky."""
+        rows = np.full(bodies.shape, -1, np.int32)
+        for body, row in self._rows.items():
+            rows[bodies == body] = row
+        return rows
+
     def _shape(self, mesh: Mesh) -> int:
         """Create a shape from a temporary file: PyBullet never frees lists passed to it."""
-        self._written += 1
-        path = Path(self._folder.name) / f"{self._written}.obj"
+        self._files += 1
+        path = Path(self._folder.name) / f"{self._files}.obj"
         path.write_text(wavefront(mesh), encoding="ascii")
         shape: int = self._engine.createVisualShape(
             self._engine.GEOM_MESH,
@@ -162,6 +165,7 @@ class BulletRenderer:
         return shape
 
     def _body(self, shape: int) -> int:
+        """Create a body with a shape and the atlas."""
         body: int = self._engine.createMultiBody(0, -1, shape, physicsClientId=self._client)
         self._engine.changeVisualShape(
             body, -1, textureUniqueId=self._texture(), physicsClientId=self._client
@@ -169,6 +173,7 @@ class BulletRenderer:
         return body
 
     def _texture(self) -> int:
+        """Return the atlas under the snow that lies, loading it if necessary."""
         if self._snow not in self._textures:
             import cv2
 

@@ -33,11 +33,10 @@ def cut(
     cuts = []
     for lone_above in (True, False):
         rows = np.flatnonzero(count == (1 if lone_above else 2))
-        some = is_above[rows] if lone_above else ~is_above[rows]
-        turned = (some.argmax(axis=1)[:, None] + np.arange(3)) % 3
-        three = np.take_along_axis(corners[rows], turned[:, :, None], axis=1)
-        values = np.take_along_axis(value[rows], turned, axis=1)
-        a, b, c = three[:, 0], three[:, 1], three[:, 2]
+        is_lone = is_above[rows] if lone_above else ~is_above[rows]
+        order = (is_lone.argmax(axis=1)[:, None] + np.arange(3)) % 3
+        values = np.take_along_axis(value[rows], order, axis=1)
+        a, b, c = np.take_along_axis(corners[rows], order[:, :, None], axis=1).swapaxes(0, 1)
         if place is None:
             ab = a + (values[:, 0] / (values[:, 0] - values[:, 1]))[:, None] * (b - a)
             ac = a + (values[:, 0] / (values[:, 0] - values[:, 2]))[:, None] * (c - a)

@@ -118,12 +118,12 @@ class Shutter(NamedTuple):
 
 @Kernel
 def scatter(
-    some: Triangles, shutter: Shutter, samples: Samples, drawn: DrawnTriangles, count: int
+    objects: Triangles, shutter: Shutter, samples: Samples, drawn: DrawnTriangles, count: int
 ) -> int:
     """Draw objects into the buffer of samples.
 
     Args:
-        some: The objects.
+        objects: The objects.
         shutter: The camera and the light.
         samples: The front surfaces, changed in place.
         drawn: Receives the drawn triangles from `count` on.
@@ -143,13 +143,13 @@ def scatter(
     slopes = (max(axis_x, width - axis_x) / focal, max(axis_y, height - axis_y) / focal)
     outline = Outline(np.empty((3, 3)), np.empty(5), np.empty(5), np.empty(5))
     inverse, turned = np.empty((3, 3)), np.empty((5, 3))
-    spans = some.spans
+    spans = objects.spans
     for index in range(spans.shape[0]):
-        _turn(some, index, camera, sun, turned)
-        if not _is_in_view(some, index, turned, screen.near, far, slopes):
+        _turn(objects, index, camera, sun, turned)
+        if not _is_in_view(objects, index, turned, screen.near, far, slopes):
             continue
         for k in range(spans[index, 0], spans[index, 1]):
-            corners = _project(some, k, turned, screen, outline)
+            corners = _project(objects, k, turned, screen, outline)
             if corners == 0:
                 continue
             low_x, high_x, low_y, high_y = _extent(outline, corners)
@@ -174,15 +174,15 @@ def scatter(
             )  # fmt: skip
             depth = _linear(plane, 1.0, 1.0, 1.0)
             if _fill(outline, corners, screen, plane, depth, (first, last), samples, count):
-                _note(some, index, k, turned, sun, plane, depth, drawn, count)
+                _note(objects, index, k, turned, sun, plane, depth, drawn, count)
                 count += 1
     return count
 
 
 @part
-def _turn(some: Triangles, index: int, camera: Array, sun: Array, turned: Array) -> None:
+def _turn(objects: Triangles, index: int, camera: Array, sun: Array, turned: Array) -> None:
     """Write eye, right, up, forward and sun in an object's frame into the rows of `turned`."""
-    places = some.places
+    places = objects.places
     c, s = places[index, 3], places[index, 4]
     ex, ey = camera[0] - places[index, 0], camera[1] - places[index, 1]
     turned[_EYE, 0], turned[_EYE, 1] = c * ex + s * ey, c * ey - s * ex
@@ -197,10 +197,15 @@ def _turn(some: Triangles, index: int, camera: Array, sun: Array, turned: Array)
 
 @part
 def _is_in_view(
-    some: Triangles, index: int, turned: Array, near: float, far: float, slopes: tuple[float, float]
+    objects: Triangles,
+    index: int,
+    turned: Array,
+    near: float,
+    far: float,
+    slopes: tuple[float, float],
 ) -> bool:
     """Return whether an object's sphere may be in the picture, whose edges have these slopes."""
-    spheres = some.spheres
+    spheres = objects.spheres
     x = spheres[index, 0] - turned[_EYE, 0]
     y = spheres[index, 1] - turned[_EYE, 1]
     z = spheres[index, 2] - turned[_EYE, 2]
@@ -216,9 +221,9 @@ def _is_in_view(
 
 
 @inlined
-def _project(some: Triangles, k: int, turned: Array, screen: Screen, outline: Outline) -> int:
+def _project(objects: Triangles, k: int, turned: Array, screen: Screen, outline: Outline) -> int:
     """Project a triangle, clipped at the near plane; return the number of corners left."""
-    planes, corners = some.planes, some.corners
+    planes, corners = objects.planes, objects.corners
     points, px, py = outline.points, outline.x, outline.y
     eye_x, eye_y, eye_z = turned[_EYE, 0], turned[_EYE, 1], turned[_EYE, 2]
     if planes[k, 0] * eye_x + planes[k, 1] * eye_y + planes[k, 2] * eye_z <= planes[k, 3]:
@@ -409,7 +414,7 @@ def _fill(
 
 @part
 def _note(
-    some: Triangles,
+    objects: Triangles,
     index: int,
     k: int,
     turned: Array,
@@ -420,15 +425,20 @@ def _note(
     count: int,
 ) -> None:
     """Write the record of a drawn triangle."""
-    corners, regions, kinds, colours = some.corners, some.regions, some.kinds, some.colours
+    corners, regions, kinds, colours = (
+        objects.corners,
+        objects.regions,
+        objects.kinds,
+        objects.colours,
+    )
     record, labels = drawn.records[count], drawn.labels
     record[rec.COLUMN], record[rec.ROW] = plane.at_x, plane.at_y
     record[rec.NEARNESS], record[rec.NEARNESS_X], record[rec.NEARNESS_Y] = depth
     labels[count, rec.TEXTURE] = regions[k]
-    labels[count, rec.BODY] = some.spans[index, 2]
+    labels[count, rec.BODY] = objects.spans[index, 2]
     labels[count, rec.SURFACE] = count
     labels[count, rec.KIND] = kinds[k]
-    labels[count, rec.CLASS] = some.tags[k]
+    labels[count, rec.CLASS] = objects.tags[k]
     sx, sy, sz = turned[_SUN, 0], turned[_SUN, 1], turned[_SUN, 2]
     lights = (
         corners[k, 0, 3] * sx + corners[k, 0, 4] * sy + corners[k, 0, 5] * sz,
@@ -473,5 +483,5 @@ def _note(
         tone = tone * _TONES + int(record[rec.BLUE] * _TONE_STEPS)
         if regions[k] >= 0:
             tone = int(strength * _STRENGTH_STEPS) * _TEXTURES + regions[k] + _TEXTURED
-        tone = ((tone * _KINDS + kinds[k]) * _BODIES + some.spans[index, 2] + 1) % _PRIME
+        tone = ((tone * _KINDS + kinds[k]) * _BODIES + objects.spans[index, 2] + 1) % _PRIME
         labels[count, rec.SURFACE] = -2 - np.int32(tone)

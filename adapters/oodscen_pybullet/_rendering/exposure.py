@@ -14,16 +14,16 @@ from oodscen_pybullet._lighting.shadows import CELLS, FAR_CELLS, FAR_SIDE_M, SID
 from oodscen_pybullet._lighting.shelter import Portal
 from oodscen_pybullet._rendering.optics import OPAQUE, fade
 from oodscen_pybullet._rendering.plate import Air, Clouds, Daylight, Plate, PortalPlane, ShadowMaps
-from oodscen_pybullet._rendering.stage import RawPicture
-from oodscen_pybullet._rendering.triangles import GROUND
-from oodscen_pybullet._rendering.view import CameraView
-from oodscen_pybullet._rendering.weather import (
+from oodscen_pybullet._rendering.sky import (
     SKY_M,
     cloud_columns,
     cloud_cover,
     cloud_sheet,
     heaven,
 )
+from oodscen_pybullet._rendering.stage import RawPicture
+from oodscen_pybullet._rendering.triangles import GROUND
+from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._types import F32, U8
 
 _WET = 0.62
@@ -73,7 +73,7 @@ _NO_SHADOWS = ShadowMaps(_NO_MAP, _NO_MAP, _NO_MAP)
 _NO_PORTAL = PortalPlane(np.zeros(3, np.float32))
 
 
-def exposed(picture: RawPicture, rate: float, air: Sequence[float]) -> Plate:
+def expose(picture: RawPicture, rate: float, air: Sequence[float]) -> Plate:
     """Return the plate of a raw picture.
 
     Args:
@@ -83,7 +83,7 @@ def exposed(picture: RawPicture, rate: float, air: Sequence[float]) -> Plate:
     """
     view, light, weather, shot = picture.view, picture.light, picture.weather, picture.shot
     across, upwards = view.slopes()
-    spread = [*(_spread(across, slope) for slope in _SPREADS), cloud_columns(view)]
+    spread = [*(_beam_spread(across, slope) for slope in _SPREADS), cloud_columns(view)]
     grid = ground_light(view, picture.lamps, light) if is_compiled() else None
     has_grain = light.daylight < _GRAINY
     return Plate(
@@ -218,7 +218,7 @@ def _portal_plane(portal: Portal, daylight: float) -> PortalPlane:
     )
 
 
-def _spread(across: F32, slope: float) -> F32:
+def _beam_spread(across: F32, slope: float) -> F32:
     """Return the lateral falloff of the ego's beams, [width]."""
     aside = across * np.float32(1.0 / slope)
     return np.asarray(fade(np.minimum(aside * aside, OPAQUE)), np.float32)

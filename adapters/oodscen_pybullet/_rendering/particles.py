@@ -1,4 +1,4 @@
-"""Smoke, fire and dust: soft balls blended into a postprocessed picture by depth."""
+"""Smoke, fire and dust: soft balls blended into a developed picture by depth."""
 
 import math
 from collections.abc import Sequence
@@ -43,7 +43,7 @@ def add_puffs(image: U8, picture: RawPicture, rate: float, air: Sequence[float])
         shot.depth[is_filled] = np.minimum(shot.depth[is_filled], middle)
 
 
-def filled(view: CameraView, balls: Sequence[PlacedPuff]) -> Mask:
+def covered_pixels(view: CameraView, balls: Sequence[PlacedPuff]) -> Mask:
     """Return the pixels that balls would fill without occlusion."""
     shape = (view.height, view.width)
     image, cover = np.zeros((*shape, 3), np.uint8), np.zeros(shape, np.float32)
@@ -57,7 +57,7 @@ def _from_afar(
     view: CameraView, balls: Sequence[PlacedPuff]
 ) -> list[tuple[float, PlacedPuff, F32]]:
     """Return the balls ahead, farthest first, each with its distance, m, and as `draw_puff` takes it."""
-    found = []
+    circles = []
     for ball in balls:
         puff = ball.puff
         across, upwards, ahead = view.to_camera(puff.position)
@@ -67,8 +67,8 @@ def _from_afar(
             radius = max(view.focal * puff.radius / ahead, 0.4)
             shade = 0.0 if puff.is_bright else 0.34
             circle = (column, row, radius, ahead, puff.radius, puff.density, shade)
-            found.append((ahead, ball, np.array(circle, np.float32)))
-    return sorted(found, key=lambda one: -one[0])
+            circles.append((ahead, ball, np.array(circle, np.float32)))
+    return sorted(circles, key=lambda circle: -circle[0])
 
 
 @Kernel

@@ -9,14 +9,15 @@ from oodscen.driving._sight.visibility import extinction
 from oodscen.numerics._kernels import is_compiled
 from oodscen_pybullet._lighting.glows import add_glare, add_glows
 from oodscen_pybullet._lighting.reflections import add_reflections
-from oodscen_pybullet._rendering.exposure import exposed
+from oodscen_pybullet._rendering.exposure import expose
 from oodscen_pybullet._rendering.particles import add_puffs
 from oodscen_pybullet._rendering.plate import Plate
 from oodscen_pybullet._rendering.postprocess import postprocess_pixels
 from oodscen_pybullet._rendering.postprocess_arrays import postprocess_arrays
+from oodscen_pybullet._rendering.precipitation import add_rain, add_snow
+from oodscen_pybullet._rendering.sky import air_colour
 from oodscen_pybullet._rendering.stage import RawPicture
 from oodscen_pybullet._rendering.triangles import MIRROR
-from oodscen_pybullet._rendering.weather import add_rain, add_snow, air_colour
 from oodscen_pybullet._types import U8
 
 _MIRRORING = 0.62
@@ -26,11 +27,11 @@ _MIRRORED_LAMPS = 5.0
 _ADD_DROPS = {"rain": add_rain, "snow": add_snow}
 
 
-def postprocessed(picture: RawPicture) -> U8:
+def develop(picture: RawPicture) -> U8:
     """Apply light and weather: [height, width, 3] uint8; depends only on the argument."""
     view, light, weather, shot = picture.view, picture.light, picture.weather, picture.shot
     rate, air = extinction(weather), air_colour(weather, light)
-    plate = exposed(picture, rate, air)
+    plate = expose(picture, rate, air)
     if is_compiled():
         image = np.empty((view.height, view.width, 3), np.uint8)
         _in_bands(plate, image, picture.threads)

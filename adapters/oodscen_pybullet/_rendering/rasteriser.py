@@ -22,10 +22,10 @@ from oodscen_pybullet._rendering.triangles import Triangles, textures
 from oodscen_pybullet._rendering.view import FAR, NEAR, CameraView
 from oodscen_pybullet._types import F32, I32, Array, Pose
 
-_LAMPS = (0.06, 0.08, 0.995)
+_CEILING_LAMPS = (0.06, 0.08, 0.995)
 """Direction towards the light that casts shadows in tunnels."""
-_LOOKS = 256
-"""Number of actors' looks kept as triangles."""
+_MOST_LOOKS = 256
+"""Number of actors' looks kept as triangles, at most."""
 
 
 class Rasteriser:
@@ -45,7 +45,7 @@ class Rasteriser:
         self._snow = Snow.NONE
         self._scenery: Triangles | None = None
         self._actors: Triangles | None = None
-        self._known: OrderedDict[Look, Triangles] = OrderedDict()
+        self._looks: OrderedDict[Look, Triangles] = OrderedDict()
         self._samples: raster.Samples | None = None
         self._drawn = DrawnTriangles(
             np.empty((0, RECORD_WIDTH), np.float32), np.empty((0, LABELS_WIDTH), np.int32)
@@ -56,7 +56,7 @@ class Rasteriser:
     def close(self) -> None:
         """Discard everything; calling it twice is allowed."""
         self._scenery = self._actors = self._samples = None
-        self._known.clear()
+        self._looks.clear()
         self._shadows.forget()
 
     def show_scenery(
@@ -104,22 +104,23 @@ class Rasteriser:
             assert self._scenery is not None
             assert self._actors is not None
             shade = self._shadows.draw(
-                view, _LAMPS if is_inside else light.towards_caster, ground, self._scenery, self._actors,
+                view, _CEILING_LAMPS if is_inside else light.towards_caster, ground, self._scenery, self._actors,
                 is_inside=is_inside,
             )  # fmt: skip
         return self._render(view, light, shade)
 
     def _render(self, view: CameraView, light: Light, shade: Shade | None) -> Shot:
+        """Draw actors and scenery, and shade what is in front."""
         assert self._scenery is not None
         assert self._actors is not None
         shape = (view.height, view.width)
         count = view.width * view.height * self._detail
-        samples = self._clean(count + raster.BLOCK)
+        samples = self._empty_samples(count + raster.BLOCK)
         sun = np.array([*light.sun, light.ambient, light.diffuse], np.float64)
-        triangles = self._reserve(len(self._scenery.corners) + len(self._actors.corners))
+        triangles = self._room_for(len(self._scenery.corners) + len(self._actors.corners))
         shutter = _shutter(view, (0, 0, view.width, view.height), sun, self._detail)
-        number = raster.scatter(self._actors, shutter, samples, triangles, 0)
-        raster.scatter(self._scenery, shutter, samples, triangles, number)
+        drawn = raster.scatter(self._actors, shutter, samples, triangles, 0)
+        raster.scatter(self._scenery, shutter, samples, triangles, drawn)
         planes = Planes(
             rgb=np.empty((3, *shape), np.uint8),
             depth=np.empty(shape, np.float32),
@@ -143,36 +144,38 @@ class Rasteriser:
         """Return the number of pixels that each actor would fill without occlusion, [actors]."""
         actors = self._actors
         assert actors is not None
-        triangles = self._reserve(len(actors.corners))
+        triangles = self._room_for(len(actors.corners))
         sun = np.array([0.0, 0.0, 1.0, 1.0, 0.0])
         pixels = np.zeros(len(actors.spans), np.int32)
         for row in range(len(pixels)):
             window = _window(view, actors.places[row], actors.spheres[row])
-            if window[2] * window[3] <= 0:
+            _, _, width, height = window
+            if width * height == 0:
                 continue
-            size = window[2] * window[3] + raster.BLOCK
+            size = width * height + raster.BLOCK
             samples = raster.Samples(
                 np.full(size, 1.0 / FAR, np.float32), np.full(size, -1, np.int32)
             )
-            one = slice(row, row + 1)
+            rows = slice(row, row + 1)
             alone = actors._replace(
-                spans=actors.spans[one], places=actors.places[one], spheres=actors.spheres[one]
+                spans=actors.spans[rows], places=actors.places[rows], spheres=actors.spheres[rows]
             )
             raster.scatter(alone, _shutter(view, window, sun, 1), samples, triangles, 0)
             pixels[row] = np.count_nonzero(samples.shown >= 0)
         return pixels
 
     def _triangles(self, look: Look | Mesh) -> Triangles:
+        """Return an actor's triangles; those of looks are kept."""
         atlas = draw_atlas(self._snow)
         if isinstance(look, Mesh):
             return Triangles.of(look, atlas, is_chunked=False)
-        if look not in self._known:
-            if len(self._known) >= _LOOKS:
-                self._known.popitem(last=False)
-            self._known[look] = Triangles.of(mesh_of(look), atlas, is_chunked=False)
-        return self._known[look]
+        if look not in self._looks:
+            if len(self._looks) >= _MOST_LOOKS:
+                self._looks.popitem(last=False)
+            self._looks[look] = Triangles.of(mesh_of(look), atlas, is_chunked=False)
+        return self._looks[look]
 
-    def _clean(self, size: int) -> raster.Samples:
+    def _empty_samples(self, size: int) -> raster.Samples:
         """Return empty sample buffers, reusing those of the last picture."""
         if self._samples is None or len(self._samples.shown) != size:
             self._samples = raster.Samples(np.empty(size, np.float32), np.empty(size, np.int32))
@@ -180,7 +183,7 @@ class Rasteriser:
         self._samples.shown.fill(-1)
         return self._samples
 
-    def _reserve(self, count: int) -> DrawnTriangles:
+    def _room_for(self, count: int) -> DrawnTriangles:
         """Return room for the records of some triangles."""
         if len(self._drawn.records) < count:
             self._drawn = DrawnTriangles(

@@ -1,6 +1,7 @@
 """Houses and city blocks; their fronts face -y and their depth extends along y."""
 
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,10 +21,30 @@ HOUSE = (9.0, 8.0)
 STYLES = 6
 """Number of facades of city blocks."""
 _LIT_SHARE = 0.36
+"""Share of the windows of dwellings that are lit at night."""
 _ROOFS = ("roof_red", "roof_brown", "roof_grey")
 _HOUSE_WALLS = ("wall_brick", "wall_cream", "wall_white")
 _STYLE_WALLS = ("wall_brick", "wall_cream", "wall_grey", "wall_white", "sand", "wall_brick")
 _AWNINGS = ("awning_red", "awning_green", "navy", "wall_ochre")
+
+
+class _Block(NamedTuple):
+    """A town building."""
+
+    half: float
+    """Half its width, m."""
+    depth: float
+    """Half its depth, m."""
+    floors: int
+    style: int
+    look: int
+    has_shop: bool
+    is_night: bool
+
+    @property
+    def top(self) -> float:
+        """Height of its walls, m."""
+        return self.floors * STOREY
 
 
 @lru_cache(maxsize=256)
@@ -41,82 +62,96 @@ def city_block(
         is_night: Whether some windows are lit.
     """
     rng = np.random.Generator(np.random.PCG64(9000 + look))
+    block = _Block(width / 2, BLOCK_DEPTH / 2, floors, style, look, has_shop, is_night)
+    half, depth = block.half, block.depth
     mesh = MeshBuilder()
-    half, depth = width / 2, BLOCK_DEPTH / 2
-    wall, top = _STYLE_WALLS[style], floors * STOREY
-    bays = round(width / BAY)
-    door = int(rng.integers(0, bays))
-    has_balconies = floors > 3 and rng.uniform() < 0.45
-    for floor in range(floors):
-        low, high = floor * STOREY, (floor + 1) * STOREY
-        for bay in range(bays):
-            x0, x1 = -half + bay * BAY, -half + (bay + 1) * BAY
-            front = upright((x0, -depth), (x1, -depth), low, high)
-            is_shop = floor == 0 and has_shop
-            shop = (style + look + bay) % 4
-            mesh.textured_quad(front, f"shop_{shop}" if is_shop else f"facade_{style}")
-            if is_night:
-                _light(mesh, x0, -depth, low, rng, is_shop=is_shop)
-            if is_shop and rng.uniform() < 0.6:
-                _awning(mesh, x0, x1, -depth, _AWNINGS[shop])
-            if floor == 0 and not has_shop and bay == door:
-                _entrance(mesh, x0 + BAY / 2, -depth)
-            if has_balconies and 0 < floor < floors - 1 and bay % 2 == look % 2:
-                _balcony(mesh, x0 + 0.5, x1 - 0.5, -depth, low)
-    for x, sign in ((half, 1.0), (-half, -1.0)):
-        a, b = (-depth, depth) if sign > 0 else (depth, -depth)
-        mesh.polygon(upright((x, a), (x, b), 0, top), wall)
-        for floor in range(1, floors):
-            z = floor * STOREY
-            for y in (-2.6, 2.6):
-                u, half_pane = x + sign * 0.02, sign * 0.6
-                pane = upright((u, y - half_pane), (u, y + half_pane), z + 0.8, z + 2.3)
-                is_lit = is_night and rng.uniform() < _LIT_SHARE
-                mesh.polygon(pane, "lit_window" if is_lit else "glass")
-    mesh.polygon(upright((half, depth), (-half, depth), 0, top), wall)
-    _foundation(mesh, half, depth, "concrete_dark", 0.0)
-    _roof(mesh, half, depth, top, look)
+    _add_front(mesh, block, rng)
+    _add_side(mesh, block, 1.0, rng)
+    _add_side(mesh, block, -1.0, rng)
+    back = upright((half, depth), (-half, depth), 0, block.top)
+    mesh.polygon(back, _STYLE_WALLS[style])
+    _add_foundation(mesh, half, depth, "concrete_dark", 0.0)
+    _add_roof(mesh, half, depth, block.top, look)
     return tagged(mesh.build(), Tag.BUILDINGS)
 
 
-def _light(
+def _add_front(mesh: MeshBuilder, block: _Block, rng: np.random.Generator) -> None:
+    """Add the front tile by tile: a facade or a shop each, with an entrance, awnings and balconies."""
+    half, y, look = block.half, -block.depth, block.look
+    bays = round(2 * half / BAY)
+    door = int(rng.integers(0, bays))
+    has_balconies = block.floors > 3 and rng.uniform() < 0.45
+    for floor in range(block.floors):
+        low, high = floor * STOREY, (floor + 1) * STOREY
+        is_shop = floor == 0 and block.has_shop
+        has_entrance = floor == 0 and not block.has_shop
+        for bay in range(bays):
+            x0, x1 = -half + bay * BAY, -half + (bay + 1) * BAY
+            shop = (block.style + look + bay) % 4
+            tile = f"shop_{shop}" if is_shop else f"facade_{block.style}"
+            mesh.textured_quad(upright((x0, y), (x1, y), low, high), tile)
+            if block.is_night:
+                _light_windows(mesh, x0, y, low, rng, is_shop=is_shop)
+            if is_shop and rng.uniform() < 0.6:
+                _add_awning(mesh, x0, x1, y, _AWNINGS[shop])
+            if has_entrance and bay == door:
+                _add_entrance(mesh, x0 + BAY / 2, y)
+            if has_balconies and 0 < floor < block.floors - 1 and bay % 2 == look % 2:
+                _add_balcony(mesh, x0 + 0.5, x1 - 0.5, y, low)
+
+
+def _add_side(mesh: MeshBuilder, block: _Block, sign: float, rng: np.random.Generator) -> None:
+    """Add the right (1) or left (-1) wall with two windows on every upper floor."""
+    x, y = sign * block.half, sign * block.depth
+    mesh.polygon(upright((x, -y), (x, y), 0, block.top), _STYLE_WALLS[block.style])
+    for floor in range(1, block.floors):
+        z = floor * STOREY
+        for middle in (-2.6, 2.6):
+            out, half_pane = x + sign * 0.02, sign * 0.6
+            ends = (out, middle - half_pane), (out, middle + half_pane)
+            is_lit = block.is_night and rng.uniform() < _LIT_SHARE
+            mesh.polygon(upright(*ends, z + 0.8, z + 2.3), "lit_window" if is_lit else "glass")
+
+
+def _light_windows(
     mesh: MeshBuilder, x0: float, y: float, low: float, rng: np.random.Generator, *, is_shop: bool
 ) -> None:
     """Light some of the two windows of a tile."""
     panes = ((0.05, 0.32), (0.68, 0.95)) if is_shop else ((0.12, 0.42), (0.58, 0.88))
     bottom, top = (0.08, 0.62) if is_shop else (0.22, 0.80)
-    for a, b in panes:
-        share = 0.75 if is_shop else _LIT_SHARE
-        warm = rng.uniform() < 0.75
-        if rng.uniform() < share:
-            start, end = (x0 + a * BAY, y - 0.03), (x0 + b * BAY, y - 0.03)
+    lit_share = 0.75 if is_shop else _LIT_SHARE
+    for left, right in panes:
+        is_warm = rng.uniform() < 0.75
+        if rng.uniform() < lit_share:
+            start, end = (x0 + left * BAY, y - 0.03), (x0 + right * BAY, y - 0.03)
             pane = upright(start, end, low + bottom * STOREY, low + top * STOREY)
-            mesh.polygon(pane, "lit_window" if warm else "lit_window_cool")
+            mesh.polygon(pane, "lit_window" if is_warm else "lit_window_cool")
 
 
-def _awning(mesh: MeshBuilder, x0: float, x1: float, y: float, colour: str) -> None:
-    a, b = x0 + 0.3, x1 - 0.3
+def _add_awning(mesh: MeshBuilder, x0: float, x1: float, y: float, colour: str) -> None:
+    left, right, front, back = x0 + 0.3, x1 - 0.3, y - 1.2, y - 0.02
     mesh.polygon(
-        [(a, y - 1.2, 2.25), (b, y - 1.2, 2.25), (b, y - 0.02, 2.75), (a, y - 0.02, 2.75)], colour
+        [(left, front, 2.25), (right, front, 2.25), (right, back, 2.75), (left, back, 2.75)],
+        colour,
     )
-    mesh.polygon(upright((a, y - 1.2), (b, y - 1.2), 2.05, 2.25), colour)
+    mesh.polygon(upright((left, front), (right, front), 2.05, 2.25), colour)
 
 
-def _entrance(mesh: MeshBuilder, x: float, y: float) -> None:
+def _add_entrance(mesh: MeshBuilder, x: float, y: float) -> None:
     y -= 0.04
     mesh.polygon(upright((x - 0.8, y), (x + 0.8, y), 0, 2.5), "light_grey")
     y -= 0.02
     mesh.polygon(upright((x - 0.6, y), (x + 0.6, y), 0, 2.3), "door")
 
 
-def _balcony(mesh: MeshBuilder, x0: float, x1: float, y: float, low: float) -> None:
+def _add_balcony(mesh: MeshBuilder, x0: float, x1: float, y: float, low: float) -> None:
     mesh.hull(
         (x0, x1, y - 1.1, y, low - 0.08), (x0, x1, y - 1.1, y, low + 0.95), "light_grey",
         caps="b", sides=("light_grey", "", "light_grey", "light_grey"),
     )  # fmt: skip
 
 
-def _roof(mesh: MeshBuilder, half: float, depth: float, top: float, look: int) -> None:
+def _add_roof(mesh: MeshBuilder, half: float, depth: float, top: float, look: int) -> None:
     """Add a flat roof with a cornice, a mansard roof, or a pitched roof."""
     kind = look % 3
     low = (-half, half, -depth, depth, top)
@@ -133,16 +168,16 @@ def _roof(mesh: MeshBuilder, half: float, depth: float, top: float, look: int) -
             y = -depth + 0.08
             mesh.polygon(upright((x - 0.5, y), (x + 0.5, y), top + 0.6, top + 1.8), "glass")
     else:
-        _gable(mesh, half, depth, top, 3.2, ("roof_red", "roof_brown")[look % 2], "wall_cream")
+        _add_gable(mesh, half, depth, top, 3.2, ("roof_red", "roof_brown")[look % 2], "wall_cream")
 
 
-def _foundation(mesh: MeshBuilder, half: float, depth: float, colour: str, top: float) -> None:
+def _add_foundation(mesh: MeshBuilder, half: float, depth: float, colour: str, top: float) -> None:
     """Add walls from below the ground, which may slope, up to a height."""
     sides = (-half, half, -depth, depth)
     mesh.hull((*sides, -2.5), (*sides, top), colour, caps="")
 
 
-def _gable(
+def _add_gable(
     mesh: MeshBuilder, half: float, depth: float, eaves: float, rise: float, tile: str, wall: str
 ) -> None:
     """Add a roof with its ridge along x."""
@@ -184,25 +219,29 @@ def _house(kind: int, roof: int, look: int, *, is_night: bool) -> Mesh:
         for start, end in zip(corners[1:], [*corners[2:], corners[0]], strict=True):
             mesh.textured_quad(upright(start, end, low, high), tile)
         if is_night:
-            for index, (a, b) in enumerate(((0.10, 0.36), (0.62, 0.88))):
-                is_door = floor == 0 and index == 1
-                if not is_door and rng.uniform() < 0.5:
-                    y = -depth - 0.03
-                    start, end = (-half + a * 2 * half, y), (-half + b * 2 * half, y)
-                    pane = upright(start, end, low + 0.24 * storey, low + 0.78 * storey)
-                    mesh.polygon(pane, "lit_window")
-    _foundation(mesh, half, depth, "concrete_dark", 0.0)
+            _light_front(mesh, floor, storey, rng)
+    _add_foundation(mesh, half, depth, "concrete_dark", 0.0)
     if look % 3 == 1:
-        _cross_gable(mesh, half, depth, eaves, _ROOFS[roof], wall)
+        _add_cross_gable(mesh, half, depth, eaves, _ROOFS[roof], wall)
     else:
-        _gable(mesh, half, depth, eaves, 3.0, _ROOFS[roof], wall)
+        _add_gable(mesh, half, depth, eaves, 3.0, _ROOFS[roof], wall)
     mesh.box((-2.2, 0.9, eaves + 2.6), (0.7, 0.7, 1.9), "wall_brick", caps="t")
     mesh.box((0.9, -depth - 0.5, 2.45), (1.8, 1.0, 0.12), "concrete")
     mesh.box((0.9, -depth - 0.4, 0.08), (1.8, 0.8, 0.16), "concrete", caps="t")
     return tagged(mesh.build(), Tag.BUILDINGS)
 
 
-def _cross_gable(
+def _light_front(mesh: MeshBuilder, floor: int, storey: float, rng: np.random.Generator) -> None:
+    """Light some of the two windows of a floor of a house; the lower right one is the door."""
+    width, y, low = HOUSE[0], -HOUSE[1] / 2 - 0.03, floor * storey
+    for left, right in ((0.10, 0.36), (0.62, 0.88))[: 1 if floor == 0 else 2]:
+        if rng.uniform() < 0.5:
+            start, end = (-width / 2 + left * width, y), (-width / 2 + right * width, y)
+            pane = upright(start, end, low + 0.24 * storey, low + 0.78 * storey)
+            mesh.polygon(pane, "lit_window")
+
+
+def _add_cross_gable(
     mesh: MeshBuilder, half: float, depth: float, eaves: float, tile: str, wall: str
 ) -> None:
     """Add a roof whose gable faces the street."""
@@ -260,8 +299,8 @@ def tower(style: int, look: int, *, is_night: bool) -> Mesh:
 def barn(colour: str) -> Mesh:
     """Return a barn eighteen metres long."""
     mesh = MeshBuilder()
-    _foundation(mesh, 9, 5, colour, 4.2)
-    _gable(mesh, 9.0, 5.0, 4.2, 3.2, "roof_grey", colour)
+    _add_foundation(mesh, 9, 5, colour, 4.2)
+    _add_gable(mesh, 9.0, 5.0, 4.2, 3.2, "roof_grey", colour)
     mesh.polygon(upright((-2, -5.03), (2, -5.03), 0, 3.6), "white")
     mesh.polygon(upright((-1.8, -5.06), (1.8, -5.06), 0, 3.4), "door")
     return tagged(mesh.build(), Tag.BUILDINGS)

@@ -24,6 +24,16 @@ TAGS = {
     "rail_post": Tag.GUARD_RAIL,
 }
 """Semantic classes of furniture; the rest is static."""
+LIMITS = frozenset(range(10, 140, 10))
+"""Speed limits that have signs, km/h."""
+_STROKES = ("abcdef", "bc", "abged", "abgcd", "fgbc", "afgcd", "afgedc", "abc", "abcdefg", "abcdfg")
+"""The bars of each digit on a seven-segment display."""
+_BARS = {
+    "a": (0.0, 1.0, True), "g": (0.0, 0.0, True), "d": (0.0, -1.0, True),
+    "f": (-1.0, 0.5, False), "b": (1.0, 0.5, False),
+    "e": (-1.0, -0.5, False), "c": (1.0, -0.5, False),
+}  # fmt: skip
+"""Place across and up of each bar, in half widths and heights of a digit, and whether it is level."""
 
 
 @cache
@@ -51,24 +61,14 @@ def street_lamp(reach: float, height: float, *, is_night: bool) -> Mesh:
     return tagged(mesh.build(), Tag.POLES)
 
 
-LIMITS = frozenset(range(10, 140, 10))
-"""Speed limits that have signs, km/h."""
-_STROKES = ("abcdef", "bc", "abged", "abgcd", "fgbc", "afgcd", "afgedc", "abc", "abcdefg", "abcdfg")
-_BARS = {
-    "a": (0.0, 1.0, True), "g": (0.0, 0.0, True), "d": (0.0, -1.0, True),
-    "f": (-1.0, 0.5, False), "b": (1.0, 0.5, False),
-    "e": (-1.0, -0.5, False), "c": (1.0, -0.5, False),
-}  # fmt: skip
-
-
 @lru_cache(maxsize=32)
 def speed_sign(limit: int) -> Mesh:
     """Return a speed limit sign that faces -x; the limit is in km/h."""
     mesh = MeshBuilder()
     mesh.beam((0, 0, -0.3), (0, 0, 2.2), 0.06, "post")
     for out, radius, colour in ((0.0, 0.36, "red"), (-0.014, 0.27, "white")):
-        turns = ((c * radius, s * radius) for c, s in CIRCLE)
-        mesh.polygon([(out, -y, 2.4 + z) for y, z in turns], colour)
+        disc = [(out, -radius * c, 2.4 + radius * s) for c, s in CIRCLE]
+        mesh.polygon(disc, colour)
     back = [(0.06, 0.36 * c, 2.4 + 0.36 * s) for c, s in CIRCLE]
     mesh.polygon(back, "grey")
     digits = str(limit)

@@ -11,15 +11,15 @@ from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._meshes.tags import Tag, tagged
 from oodscen_pybullet._types import Point
 
-_GOLD = (1.0 + math.sqrt(5.0)) / 2.0
-_TWELVE = np.array(
+_GOLDEN_RATIO = (1.0 + math.sqrt(5.0)) / 2.0
+_ICOSAHEDRON = np.array(
     [
-        (-1, _GOLD, 0), (1, _GOLD, 0), (-1, -_GOLD, 0), (1, -_GOLD, 0),
-        (0, -1, _GOLD), (0, 1, _GOLD), (0, -1, -_GOLD), (0, 1, -_GOLD),
-        (_GOLD, 0, -1), (_GOLD, 0, 1), (-_GOLD, 0, -1), (-_GOLD, 0, 1),
+        (-1, _GOLDEN_RATIO, 0), (1, _GOLDEN_RATIO, 0), (-1, -_GOLDEN_RATIO, 0), (1, -_GOLDEN_RATIO, 0),
+        (0, -1, _GOLDEN_RATIO), (0, 1, _GOLDEN_RATIO), (0, -1, -_GOLDEN_RATIO), (0, 1, -_GOLDEN_RATIO),
+        (_GOLDEN_RATIO, 0, -1), (_GOLDEN_RATIO, 0, 1), (-_GOLDEN_RATIO, 0, -1), (-_GOLDEN_RATIO, 0, 1),
     ]
-) / math.sqrt(1.0 + _GOLD * _GOLD)  # fmt: skip
-_TWENTY = np.array(
+) / math.sqrt(1.0 + _GOLDEN_RATIO * _GOLDEN_RATIO)  # fmt: skip
+_ICOSAHEDRON_FACES = np.array(
     [
         (0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11),
         (1, 5, 9), (5, 11, 4), (11, 10, 2), (10, 7, 6), (7, 1, 8),
@@ -28,16 +28,20 @@ _TWENTY = np.array(
     ]
 )  # fmt: skip
 _TREES = 10
+"""Number of different plants of a kind."""
+_GREENS = (("leaf", "leaf_dark"), ("leaf_light", "leaf"), ("leaf_dark", "leaf_dark"))
+_WOOD_GREENS = (("leaf", "leaf_dark"), ("leaf_dark", "leaf_dark"), ("needle", "needle"))
+"""Upper and lower colours of broad-leaved trees, and of those at the edge of a wood."""
 
 
 def _clump(centre: Point, radii: Point, colours: tuple[str, str], rng: np.random.Generator) -> Mesh:
     """Return a clump of leaves: a distorted icosahedron, dark at the bottom."""
     dents = 1.0 + 0.22 * rng.uniform(-1.0, 1.0, (12, 1))
-    points = _TWELVE * dents * np.array(radii) + np.array(centre)
-    faces = points[_TWENTY]
+    points = _ICOSAHEDRON * dents * np.array(radii) + np.array(centre)
+    faces = points[_ICOSAHEDRON_FACES]
     flat = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
     flat /= np.sqrt((flat * flat).sum(axis=1, keepdims=True))
-    normals = 0.5 * _TWELVE[_TWENTY] + 0.5 * flat[:, None, :]
+    normals = 0.5 * _ICOSAHEDRON[_ICOSAHEDRON_FACES] + 0.5 * flat[:, None, :]
     normals /= np.sqrt((normals * normals).sum(axis=2, keepdims=True))
     is_low = (flat[:, 2] < -0.1)[:, None, None]
     uvs = np.where(is_low, swatch_uv(colours[1]), swatch_uv(colours[0]))
@@ -46,6 +50,7 @@ def _clump(centre: Point, radii: Point, colours: tuple[str, str], rng: np.random
 
 
 def _trunk(height: float, radius: float) -> MeshBuilder:
+    """Return a builder with a tapering trunk of square cross-section."""
     mesh = MeshBuilder()
     corners = ((1, 0), (0, 1), (-1, 0), (0, -1))
     for (a, b), (c, d) in zip(corners, corners[1:] + corners[:1], strict=True):
@@ -76,9 +81,7 @@ def broad_tree(
     scale = float(rng.uniform(0.85, 1.15)) * (1.25 if is_tall else 1.0)
     trunk = (4.1 if is_pruned else 2.5) * scale
     mesh = _trunk(trunk + 1.2 * scale, 0.2 * scale)
-    light, dark = (("leaf", "leaf_dark"), ("leaf_light", "leaf"), ("leaf_dark", "leaf_dark"))[
-        key % 3
-    ]
+    colours = _GREENS[key % len(_GREENS)]
     lumps = [((0.0, 0.0, trunk + 2.1 * scale), 1.75 * scale)]
     for x, y in ((1.15, 0.4), (-0.75, 1.0), (-0.35, -1.15)):
         size = float(rng.uniform(0.95, 1.35)) * scale
@@ -86,7 +89,7 @@ def broad_tree(
         lumps.append(((x * scale, y * scale, z), size))
     if is_far:
         lumps = [(lumps[0][0], 1.25 * lumps[0][1]), lumps[2]]
-    parts = [_clump(at, (r, r, 0.85 * r), (light, dark), rng) for at, r in lumps]
+    parts = [_clump(at, (r, r, 0.85 * r), colours, rng) for at, r in lumps]
     return tagged(Mesh.joined([mesh.build(), *parts]), Tag.VEGETATION)
 
 
@@ -122,8 +125,6 @@ def thicket(key: int) -> Mesh:
     for index in range(3):
         height = float(rng.uniform(3.5, 6.5))
         at = (-5.5 + 5.5 * index, float(rng.uniform(-2.0, 2.0)), 0.5 * height)
-        colours = (("leaf", "leaf_dark"), ("leaf_dark", "leaf_dark"), ("needle", "needle"))[
-            int(rng.integers(0, 3))
-        ]
+        colours = _WOOD_GREENS[int(rng.integers(0, len(_WOOD_GREENS)))]
         parts.append(_clump(at, (4.2, 3.4, height), colours, rng))
     return tagged(Mesh.joined(parts), Tag.VEGETATION)

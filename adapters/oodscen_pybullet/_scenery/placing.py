@@ -17,9 +17,11 @@ Rectangle = tuple[float, float, Heading, float, float]
 
 FAR_M = 280.0
 """Distance ahead of the ego's start beyond which small objects are omitted, m."""
+_BEHIND_M, _ASIDE_M = 40.0, 0.35 * FAR_M
+"""The same distances behind that start and beside the road, m."""
 SHORT_M = 110.0
 """Distance before the end of the ego's road at which scenery ends, m; it looks small from there."""
-_CELL = 24.0
+_CELL_M = 24.0
 """Size of the grid squares in which claimed rectangles are looked up, m."""
 _STEPS = np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
 """Places along half the side of a rectangle that must be off the asphalt."""
@@ -133,32 +135,32 @@ class Site:
             half_y: Half the length of the other side, m.
             margin: Minimum distance from asphalt, m.
         """
-        own, reach = (x, y, heading, half_x, half_y), half_x + half_y
+        rectangle, reach = (x, y, heading, half_x, half_y), half_x + half_y
         cells = [
             (i, j)
-            for i in range(int((x - reach) // _CELL), int((x + reach) // _CELL) + 1)
-            for j in range(int((y - reach) // _CELL), int((y + reach) // _CELL) + 1)
+            for i in range(int((x - reach) // _CELL_M), int((x + reach) // _CELL_M) + 1)
+            for j in range(int((y - reach) // _CELL_M), int((y + reach) // _CELL_M) + 1)
         ]
         for cell in cells:
-            if any(_overlap(own, other) for other in self._taken.get(cell, ())):
+            if any(_overlap(rectangle, other) for other in self._taken.get(cell, ())):
                 return False
         if margin > 0.0:
             c, s = heading
-            a, b = half_x * _STEPS[:, None], half_y * _STEPS
-            points_x, points_y = x + a * c - b * s, y + a * s + b * c
+            along, across = half_x * _STEPS[:, None], half_y * _STEPS
+            points_x, points_y = x + along * c - across * s, y + along * s + across * c
             if not self.ground.is_free(points_x.ravel(), points_y.ravel(), margin):
                 return False
         for cell in cells:
-            self._taken.setdefault(cell, []).append(own)
+            self._taken.setdefault(cell, []).append(rectangle)
         return True
 
     def spots(
         self, way: Way, side: int, spacing: float, *, jitter: float = 0.0, first: float = 0.0
     ) -> list[RoadsidePlace]:
         """Return places on the edge of a road's pavement at roughly equal distances."""
-        line = way.course
-        start = float(line.s[0]) + first
-        end = float(line.s[-1]) - (SHORT_M if way.is_ego else 0.0)
+        course = way.course
+        start = float(course.s[0]) + first
+        end = float(course.s[-1]) - (SHORT_M if way.is_ego else 0.0)
         count = max(0, int((end - start) / spacing))
         shifts = self.rng.uniform(-jitter, jitter, count) if jitter else np.zeros(count)
         return [
@@ -168,14 +170,14 @@ class Site:
 
     def spot(self, way: Way, s: float, side: int) -> RoadsidePlace:
         """Return the place on the edge of a road's pavement at `s`."""
-        line = way.course
-        t = float(np.interp(s, line.s, way.paved.left if side > 0 else way.paved.right))
-        x, y = float(np.interp(s, line.s, line.x)), float(np.interp(s, line.s, line.y))
-        c, n = float(np.interp(s, line.s, line.cos)), float(np.interp(s, line.s, line.sin))
-        norm = math.sqrt(c * c + n * n)
-        c, n = c / norm, n / norm
-        heading = (c, n) if side > 0 else (-c, -n)
-        return RoadsidePlace(x - t * n, y + t * c, heading, s, side)
+        course = way.course
+        edge = way.paved.left if side > 0 else way.paved.right
+        columns = (edge, course.x, course.y, course.cos, course.sin)
+        t, x, y, cos, sin = (float(np.interp(s, course.s, column)) for column in columns)
+        norm = math.sqrt(cos * cos + sin * sin)
+        cos, sin = cos / norm, sin / norm
+        heading = (cos, sin) if side > 0 else (-cos, -sin)
+        return RoadsidePlace(x - t * sin, y + t * cos, heading, s, side)
 
     def is_spanned(self, spot: RoadsidePlace, margin: float = 6.0) -> bool:
         """Return whether a spot is on a bridge or in a tunnel, or close to the end of one."""
@@ -191,7 +193,7 @@ class Site:
         """Return whether a spot is too far away for small objects to be visible."""
         s, away = self.ground.locate(spot.x, spot.y)
         ahead = s - self.ground.corridor.start
-        return ahead > FAR_M or ahead < -40.0 or away > 0.35 * FAR_M
+        return ahead > FAR_M or ahead < -_BEHIND_M or away > _ASIDE_M
 
     def turn(self) -> Heading:
         """Return a random direction."""
@@ -206,21 +208,20 @@ class Site:
         return Mesh.loose(vertices, normals, uvs, np.concatenate(self._tags))
 
 
-def _overlap(one: Rectangle, two: Rectangle) -> bool:
+def _overlap(first: Rectangle, second: Rectangle) -> bool:
     """Return whether two rectangles overlap: no side's direction separates them."""
-    x0, y0, h0, a0, b0 = one
-    x1, y1, h1, a1, b1 = two
+    (x0, y0, _, a0, b0), (x1, y1, _, a1, b1) = first, second
     dx, dy = x1 - x0, y1 - y0
     reach = a0 + b0 + a1 + b1
     if dx * dx + dy * dy > reach * reach:
         return False
-    dot = abs(h0[0] * h1[0] + h0[1] * h1[1])
-    cross = abs(h0[0] * h1[1] - h0[1] * h1[0])
-    for (c, s), own, other in (
-        (h0, (a0, b0), (a1 * dot + b1 * cross, a1 * cross + b1 * dot)),
-        (h1, (a1, b1), (a0 * dot + b0 * cross, a0 * cross + b0 * dot)),
-    ):
-        along, across = abs(dx * c + dy * s), abs(dy * c - dx * s)
-        if along > own[0] + other[0] or across > own[1] + other[1]:
-            return False
-    return True
+    return not (_is_separated(first, second) or _is_separated(second, first))
+
+
+def _is_separated(first: Rectangle, second: Rectangle) -> bool:
+    """Return whether one of the first rectangle's sides separates it from the second."""
+    (x0, y0, (c, s), a0, b0), (x1, y1, (c1, s1), a1, b1) = first, second
+    dot, cross = abs(c * c1 + s * s1), abs(c * s1 - s * c1)
+    along, across = abs((x1 - x0) * c + (y1 - y0) * s), abs((y1 - y0) * c - (x1 - x0) * s)
+    is_ahead = along > a0 + (a1 * dot + b1 * cross)
+    return is_ahead or across > b0 + (a1 * cross + b1 * dot)

@@ -41,9 +41,9 @@ def build_scenery(
     seed: int,
     *,
     is_night: bool = False,
-    without: frozenset[str] = frozenset(),
+    omitted: frozenset[str] = frozenset(),
     state: MapState | None = None,
-    is_between: bool = False,
+    is_dark_phase: bool = False,
 ) -> Scenery:
     """Build the roads and their surroundings.
 
@@ -52,16 +52,16 @@ def build_scenery(
         road: The map, whose traits select city, suburb, highway or country.
         seed: Seed of the run.
         is_night: Whether windows and lamps are lit.
-        without: Ids of map signals to omit, for instance because the scene has its own signals
-            there: `oodscen_pybullet._scenery.signals.replaced`.
+        omitted: Ids of map signals to omit, for instance because the scene has its own signals
+            there: `oodscen_pybullet._scenery.signals.replaced_signals`.
         state: Faults of the map's lamps, lights and signs.
-        is_between: Whether flashing lights are between two flashes.
+        is_dark_phase: Whether flashing lights are between two flashes.
     """
     theme = theme_of(road, corridor)
-    terrain, roads, land = _lay(corridor, theme, seed, road.id)
+    terrain, roads, land = _build_land(corridor, theme, seed, road.id)
     ground = terrain.ground
     site = Site(ground, terrain, stream(seed, "scenery", road.id, "roadside"), state)
-    signals = stand_signals(site, without, is_between=is_between)
+    signals = stand_signals(site, omitted, is_dark_phase=is_dark_phase)
     furnish(site, theme, is_night=is_night)
     spans, tunnel_lamps = build_structures(ground)
     return Scenery(
@@ -81,12 +81,14 @@ def _street_lamp(head: Point) -> Lamp:
 
 
 @lru_cache(maxsize=12)
-def _lay(corridor: Corridor, theme: Theme, seed: int, name: str) -> tuple[Terrain, Mesh, Mesh]:
+def _build_land(
+    corridor: Corridor, theme: Theme, seed: int, map_id: str
+) -> tuple[Terrain, Mesh, Mesh]:
     """Build the parts that are the same by day and by night: terrain, roads, land.
 
     The terrain caches heights of points, and variants of a map query the same points.
     """
     ground = Ground(corridor)
-    terrain = Terrain(ground, theme, stream(seed, "scenery", name, "land"))
-    road = lay_roads(ground, theme, stream(seed, "scenery", name, "wear"))
-    return terrain, road, terrain.mesh()
+    terrain = Terrain(ground, theme, stream(seed, "scenery", map_id, "land"))
+    roads = lay_roads(ground, theme, stream(seed, "scenery", map_id, "wear"))
+    return terrain, roads, terrain.mesh()

@@ -14,11 +14,12 @@ from oodscen_pybullet._scenery.furniture import LIMITS, speed_sign
 from oodscen_pybullet._scenery.placing import Site
 from oodscen_pybullet._types import Heading
 
-INSTEAD_M = 4.0
+_REPLACED_M = 4.0
 """A scene's own signal replaces the map's signals within this distance, m."""
 _ALONG = 0.7
 """Cosine between a light and the ego's road above which the light applies to the road."""
-
+_FAULTY_STATES = frozenset({"off", "flashing", "all_on"})
+"""Faults that are states of a traffic light."""
 _LEAN = ((0.96, -0.168, 0.224), (0.0, 0.8, 0.6), (-0.28, -0.576, 0.768))
 """Turn of a bent post: by 37 degrees about its x axis, then by 16 about y."""
 _SIGNS = {
@@ -32,38 +33,40 @@ _SIGNS = {
 """OpenDRIVE's German sign types and the asset that shows each."""
 
 
-def stand_signals(site: Site, without: frozenset[str], *, is_between: bool = False) -> list[Lamp]:
+def stand_signals(site: Site, omitted: frozenset[str], *, is_dark_phase: bool) -> list[Lamp]:
     """Add the map's signals: green for the ego's road, red for crossing roads, or as the scene has them.
 
     Args:
         site: Receives the signals.
-        without: Ids of signals to omit.
-        is_between: Whether flashing lamps are between two flashes.
+        omitted: Ids of signals to omit.
+        is_dark_phase: Whether flashing lamps are between two flashes.
 
     Returns:
         The lit lamps, in world coordinates.
     """
-    shining: list[Lamp] = []
+    lamps: list[Lamp] = []
     for signal in site.ground.corridor.signals:
-        if signal.id in without:
+        if signal.id in omitted:
             continue
-        mesh, fault = _mesh_of(site, signal, is_between=is_between), _fault_of(site, signal)
+        mesh = _mesh_of(site, signal, is_dark_phase=is_dark_phase)
+        fault = _fault_of(site, signal)
         if mesh is None or fault == "missing":
             continue
-        mesh, heading = displaced(mesh, (-cos(signal.yaw), -sin(signal.yaw)), fault)
+        mesh, heading = displace(mesh, (-cos(signal.yaw), -sin(signal.yaw)), fault)
         at = (signal.x, signal.y, site.terrain.surface(signal.x, signal.y))
         site.add(mesh, at, heading)
-        shining += [lamp.placed(at, heading) for lamp in mesh.lamps]
-    return shining
+        lamps += [lamp.placed(at, heading) for lamp in mesh.lamps]
+    return lamps
 
 
 def _fault_of(site: Site, signal: RoadSignal) -> str | None:
+    """Return the fault that the scene gives to signals of this kind, if any."""
     if site.state is None:
         return None
     return site.state.signals if signal.kind == "traffic_light" else site.state.signs
 
 
-def displaced(mesh: Mesh, heading: Heading, fault: str | None) -> tuple[Mesh, Heading]:
+def displace(mesh: Mesh, heading: Heading, fault: str | None) -> tuple[Mesh, Heading]:
     """Return a signal's mesh and heading: leaning if it is bent, a quarter turned if it is turned away."""
     c, s = heading
     if fault == "turned":
@@ -77,13 +80,12 @@ def _leaning(mesh: Mesh) -> Mesh:
     return mesh.moved(np.array(_LEAN))
 
 
-def _mesh_of(site: Site, signal: RoadSignal, *, is_between: bool) -> Mesh | None:
+def _mesh_of(site: Site, signal: RoadSignal, *, is_dark_phase: bool) -> Mesh | None:
     """Return what shows a signal, `None` if no asset does."""
     if signal.kind == "traffic_light":
         fault = _fault_of(site, signal)
-        is_faulty = fault in ("off", "flashing", "all_on")
-        state = fault if fault and is_faulty else _state_of(site, signal)
-        light = asset_mesh("traffic_light", state, frame=int(is_faulty and is_between))
+        state = fault if fault in _FAULTY_STATES else _state_of(site, signal)
+        light = asset_mesh("traffic_light", state, frame=int(is_dark_phase))
         return on_posts(light, Tag.TRAFFIC_LIGHT)
     asset = _SIGNS.get(signal.type)
     if asset == "speed_limit_sign":
@@ -108,25 +110,29 @@ def limit_of(signal: RoadSignal) -> int | None:
     return limit if limit in LIMITS else None
 
 
-def replaced(corridor: Corridor, places: Sequence[tuple[float, float]]) -> frozenset[str]:
+def replaced_signals(
+    corridor: Corridor, positions: Sequence[tuple[float, float]]
+) -> frozenset[str]:
     """Return the ids of the map's signals that a scene's own signals replace.
 
     Args:
         corridor: The corridor with the map's signals.
-        places: x and y of the scene's own signals, m.
+        positions: x and y of the scene's own signals, m.
     """
-    reach = INSTEAD_M * INSTEAD_M
     return frozenset(
         signal.id
         for signal in corridor.signals
-        if any((signal.x - x) ** 2 + (signal.y - y) ** 2 <= reach for x, y in places)
+        if any(
+            (signal.x - x) ** 2 + (signal.y - y) ** 2 <= _REPLACED_M * _REPLACED_M
+            for x, y in positions
+        )
     )
 
 
 def _state_of(site: Site, signal: RoadSignal) -> str:
     """Return "green" for lights on the ego's road, otherwise "red"."""
     road = site.ground.corridor
-    place = min(max(signal.s, 0.0), road.length)
-    index = int(place / road.step + 0.5)
+    s = min(max(signal.s, 0.0), road.length)
+    index = int(s / road.step + 0.5)
     along = cos(signal.yaw) * float(road.cos[index]) + sin(signal.yaw) * float(road.sin[index])
     return "green" if abs(along) > _ALONG else "red"

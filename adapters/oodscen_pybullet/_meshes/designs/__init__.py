@@ -18,7 +18,7 @@ from oodscen.data._shapes import Part
 from oodscen_pybullet._meshes.atlas import COLOURS
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs import fittings, openings, parts, rings
-from oodscen_pybullet._meshes.designs.parts import Holder, Placing, add, held
+from oodscen_pybullet._meshes.designs.parts import Holder, Placing, add, placed_parts
 from oodscen_pybullet._meshes.look import Appearance
 
 _PLAIN, _UNMOVED = Appearance(), Placing()
@@ -192,12 +192,12 @@ def _add(parts: tuple[Part, ...], mesh: MeshBuilder, shown: Appearance, place: P
 
 @add.register
 def _(part: Holder, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-    for one, there in held(part, place, shown.applies):
-        add(one, mesh, shown, there)
+    for inner, placing in placed_parts(part, place, shown.applies):
+        add(inner, mesh, shown, placing)
 
 
 @add.register
 def _(part: shapes.TurnedOf, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-    whole = MeshBuilder()
-    _add(part.turned, whole, shown, place)
-    mesh.add_surface(whole.build(), part.to, math.radians(part.yaw), roll=math.radians(part.roll))
+    group = MeshBuilder()
+    _add(part.turned, group, shown, place)
+    mesh.add_surface(group.build(), part.to, math.radians(part.yaw), roll=math.radians(part.roll))

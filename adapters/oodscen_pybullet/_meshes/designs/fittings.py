@@ -14,9 +14,11 @@ from oodscen_pybullet._meshes.objects.signs import face
 from oodscen_pybullet._meshes.shapes import upright
 
 _AMBER_LAMP = ("amber", "amber_lit", "amber_core")
+"""Colours of an indicator: dark, lit, and lit in its core."""
 _WALK = {(-1.0, 0): 0.0, (-1.0, 1): 0.25, (1.0, 0): 0.5, (1.0, 1): 0.75}
 """Fraction of the stride at which a foot touches down, by side and pair, hind legs first."""
 _GALLOP = {(-1.0, 0): 0.0, (1.0, 0): 0.12, (-1.0, 1): 0.5, (1.0, 1): 0.62}
+"""The same in a gallop."""
 
 _Section = tuple[float, Pair, Pair] | tuple[float, Pair, Pair, Pair]
 """x, then the right outline upwards as (half width, z)."""
@@ -323,8 +325,8 @@ class SidePrint(Fitting):
     def fit(self, mesh: MeshBuilder, shown: Appearance) -> None:
         """Add the prints."""
         (back, fore), y, (low, high) = self.x, self.y, self.z
-        for one, two, side in ((back, fore, -y), (fore, back, y)):
-            mesh.textured_quad(upright((one, side), (two, side), low, high), self.side_print)
+        for start, end, side in ((back, fore, -y), (fore, back, y)):
+            mesh.textured_quad(upright((start, side), (end, side), low, high), self.side_print)
 
 
 class Legs(Fitting):
@@ -352,10 +354,10 @@ class Legs(Fitting):
             for side in (-1.0, 1.0):
                 ahead, up = (0.05 if pair == 0 else 0.0) * side * top, 0.0
                 if shown.gait is not None:
-                    own = phase - (_GALLOP if runs else _WALK)[side, pair]
+                    step = phase - (_GALLOP if runs else _WALK)[side, pair]
                     reach, lift = (1.5, 0.3) if runs else (1.0, 0.14)
                     ahead, up = stride(
-                        own, reach * self.half * top, lift * top, 0.4 if runs else 0.6
+                        step, reach * self.half * top, lift * top, 0.4 if runs else 0.6
                     )
                 start = (hip, side * self.y, top - drop)
                 end = (hip + ahead, side * self.y, hoof + up)

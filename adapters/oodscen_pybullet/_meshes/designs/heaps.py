@@ -8,10 +8,8 @@ from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs.parts import Placing, add
 from oodscen_pybullet._meshes.look import Appearance
+from oodscen_pybullet._meshes.shapes import GOLDEN_ANGLE
 from oodscen_pybullet._types import Point
-
-_GOLDEN = 2.399963
-"""Angle between neighbours of a sunflower's seeds, rad: they fill a disc evenly."""
 
 
 @add.register
@@ -20,13 +18,15 @@ def _(part: shapes.Heap, mesh: MeshBuilder, shown: Appearance, place: Placing) -
     length, width, height = part.size
     heap = MeshBuilder()
     colours = shown.colour(part.colour), shown.colour(part.second_colour or part.colour)
-    wide = 0.85 * np.sqrt(length * width / part.lumps)
-    for index, (one, two) in enumerate(rng.uniform(0.0, 1.0, (part.lumps, 2)).tolist()):
+    mean_radius = 0.85 * np.sqrt(length * width / part.lumps)
+    for index, (size_draw, height_draw) in enumerate(
+        rng.uniform(0.0, 1.0, (part.lumps, 2)).tolist()
+    ):
         out = float(np.sqrt((index + 0.5) / part.lumps))
-        lump = min(float(wide) * (0.8 + 0.4 * one), 0.45 * length, 0.45 * width)
-        x = (length / 2 - lump) * out * cos(index * _GOLDEN)
-        y = (width / 2 - lump) * out * sin(index * _GOLDEN)
-        high = height * (1 - 0.6 * out**3) * (0.75 + 0.25 * two)
+        lump = min(float(mean_radius) * (0.8 + 0.4 * size_draw), 0.45 * length, 0.45 * width)
+        x = (length / 2 - lump) * out * cos(index * GOLDEN_ANGLE)
+        y = (width / 2 - lump) * out * sin(index * GOLDEN_ANGLE)
+        high = height * (1 - 0.6 * out**3) * (0.75 + 0.25 * height_draw)
         tall = min(lump, high)
         grown = 1.0 + part.rough
         heap.ball(
@@ -62,14 +62,17 @@ def _(part: shapes.Veil, mesh: MeshBuilder, shown: Appearance, place: Placing) -
     colour: Point = (red / 255, green / 255, blue / 255)
     x, y, z = part.veil
     length, width, height = part.size
-    for index, (one, two) in enumerate(rng.uniform(0.0, 1.0, (part.puffs, 2)).tolist()):
-        share, turn = (index + 0.5) / part.puffs, index * _GOLDEN
+    draws = rng.uniform(0.0, 1.0, (part.puffs, 2)).tolist()
+    for index, (size_draw, height_draw) in enumerate(draws):
+        share, turn = (index + 0.5) / part.puffs, index * GOLDEN_ANGLE
         density = part.density
         if part.form == "cloud":
-            radius = max(0.15, min(0.45 * min(length, width, height) * (0.7 + 0.5 * one), 1.5))
+            radius = max(
+                0.15, min(0.45 * min(length, width, height) * (0.7 + 0.5 * size_draw), 1.5)
+            )
             out = float(np.sqrt(share))
             aside = (max(0.0, length / 2 - radius) * out, max(0.0, width / 2 - radius) * out)
-            rise = radius + max(0.0, height - 2 * radius) * two
+            rise = radius + max(0.0, height - 2 * radius) * height_draw
         else:
             wide = (0.15 + 0.85 * share) if part.form == "funnel" else (0.5 + 0.5 * share)
             radius = max(0.12, 0.33 * min(length, width) * wide)

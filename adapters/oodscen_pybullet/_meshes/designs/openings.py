@@ -12,18 +12,18 @@ from oodscen_pybullet._meshes.shapes import upright
 from oodscen_pybullet._types import Point
 
 _LINING = "light_grey"
-_OFF = 0.012
+_OFF_M = 0.012
 """Distance of a dark opening from the body that it is in, m."""
 _DOOR_DEG, _BONNET_DEG, _HATCH_DEG, _REAR_DEG = 58.0, 58.0, 22.0, 12.0
+"""Angles by which doors, a bonnet, a tailgate and rear doors are open."""
 
 
-def _face(mesh: MeshBuilder, corners: list[Point], outer: str, inner: str) -> None:
+def _add_panel(mesh: MeshBuilder, corners: list[Point], outer: str, inner: str) -> None:
     """Add a thin panel; its corners are counter-clockwise seen from the outer side."""
-    mesh.polygon(corners, outer)
-    mesh.polygon(corners[::-1], inner)
+    mesh.polygon(corners, outer).polygon(corners[::-1], inner)
 
 
-def _on(side: float, corners: list[Point]) -> list[Point]:
+def _on_side(side: float, corners: list[Point]) -> list[Point]:
     """Return the corners of the left side, or of its mirror image on the right."""
     return corners if side > 0 else [(x, -y, z) for x, y, z in corners[::-1]]
 
@@ -46,24 +46,25 @@ class FrontDoors(Fitting):
         front, rear, tip = self.front_doors
         belt_y, top_y = self.y
         sill, belt, top = self.z
-        paint, out = shown.colour(self.colour), belt_y + _OFF
+        paint, out = shown.colour(self.colour), belt_y + _OFF_M
         seat = front - 0.72 * (front - rear)
         for side in (1.0, -1.0):
             low = upright((front, out), (rear, out), sill, belt)
             high = [
                 (front, out, belt), (rear, out, belt),
-                (rear, top_y + 2 * _OFF, top), (tip, top_y + 2 * _OFF, top),
+                (rear, top_y + 2 * _OFF_M, top), (tip, top_y + 2 * _OFF_M, top),
             ]  # fmt: skip
             for opening in (low, high):
-                mesh.polygon(_on(side, opening), "black")
+                mesh.polygon(_on_side(side, opening), "black")
             back = [
-                (seat + 0.3, out + _OFF, sill + 0.1), (seat, out + _OFF, sill + 0.1),
-                (seat - 0.12, out + _OFF, belt), (seat + 0.06, out + _OFF, belt),
+                (seat + 0.3, out + _OFF_M, sill + 0.1), (seat, out + _OFF_M, sill + 0.1),
+                (seat - 0.12, out + _OFF_M, belt), (seat + 0.06, out + _OFF_M, belt),
             ]  # fmt: skip
-            mesh.polygon(_on(side, back), "grey")
-            self._door(mesh, side, paint)
+            mesh.polygon(_on_side(side, back), "grey")
+            self._add_door(mesh, side, paint)
 
-    def _door(self, mesh: MeshBuilder, side: float, paint: str) -> None:
+    def _add_door(self, mesh: MeshBuilder, side: float, paint: str) -> None:
+        """Add the open door of a side: its panel, its window in a frame, and a red reflector."""
         front, rear, tip = self.front_doors
         sill, belt, top = self.z
         out, length = self.y[0], front - rear
@@ -73,16 +74,16 @@ class FrontDoors(Fitting):
             return front - share * length * c, out + share * length * s, height
 
         panel = [at(0, sill), at(0, belt), at(1, belt), at(1, sill)]
-        _face(mesh, _on(side, panel), paint, _LINING)
+        _add_panel(mesh, _on_side(side, panel), paint, _LINING)
         inset = (front - tip) / length
         window = [at(0.02, belt), at(inset, top), at(0.98, top), at(0.98, belt)]
-        _face(mesh, _on(side, window), "glass_light", "glass_light")
+        _add_panel(mesh, _on_side(side, window), "glass_light", "glass_light")
         frame = [(at(0, belt), at(inset, top)), (at(inset, top), at(1, top))]
         frame += [(at(1, top), at(1, belt))]
         for start, end in frame:
-            one, two = (_on(side, [point])[0] for point in (start, end))
-            mesh.beam(one, two, 0.05, paint)
-        edge = _on(side, [at(1, (sill + belt) / 2)])[0]
+            ends = (_on_side(side, [point])[0] for point in (start, end))
+            mesh.beam(*ends, 0.05, paint)
+        edge = _on_side(side, [at(1, (sill + belt) / 2)])[0]
         mesh.box(edge, (0.03, 0.03, belt - sill), "red")
 
 
@@ -105,7 +106,7 @@ class OpenBonnet(Fitting):
         c, s = cos(PI * _BONNET_DEG / 180.0), sin(PI * _BONNET_DEG / 180.0)
         far, high = x + length * c, z + length * s
         panel = [(x, half, z), (x, -half, z), (far, -0.9 * half, high), (far, 0.9 * half, high)]
-        _face(mesh, panel, shown.colour(self.colour), "dark_grey")
+        _add_panel(mesh, panel, shown.colour(self.colour), "dark_grey")
         bay = [
             (x, half, z + 0.015), (x, -half, z + 0.015),
             (tip, -0.9 * half, low + 0.015), (tip, 0.9 * half, low + 0.015),
@@ -137,7 +138,7 @@ class OpenHatch(Fitting):
             return
         (x, z), top = self.open_hatch, self.top_half
         (bx, belt, bz), (sx, sill, sz) = self.belt, self.sill
-        paint, off = shown.colour(self.colour), 2 * _OFF
+        paint, off = shown.colour(self.colour), 2 * _OFF_M
         window = [
             (bx - off, belt, bz),
             (bx - off, -belt, bz),
@@ -161,15 +162,15 @@ class OpenHatch(Fitting):
         whole = glass + self._length((bx, bz), (sx, sz))
         c, s = -cos(PI * _HATCH_DEG / 180.0), sin(PI * _HATCH_DEG / 180.0)
 
-        def gate(one: float, two: float, a: float, b: float) -> list[Point]:
-            near, far = (x + one * c, z + one * s), (x + two * c, z + two * s)
+        def panel(start: float, end: float, start_half: float, end_half: float) -> list[Point]:
+            near_x, near_z, far_x, far_z = x + start * c, z + start * s, x + end * c, z + end * s
             return [
-                (far[0], b, far[1]), (far[0], -b, far[1]),
-                (near[0], -a, near[1]), (near[0], a, near[1]),
+                (far_x, end_half, far_z), (far_x, -end_half, far_z),
+                (near_x, -start_half, near_z), (near_x, start_half, near_z),
             ]  # fmt: skip
 
-        _face(mesh, gate(0.0, glass, top, belt), "glass", "glass")
-        _face(mesh, gate(glass, whole, belt, sill), paint, _LINING)
+        _add_panel(mesh, panel(0.0, glass, top, belt), "glass", "glass")
+        _add_panel(mesh, panel(glass, whole, belt, sill), paint, _LINING)
         for side in (1.0, -1.0):
             mesh.beam((x, side * top, z), (x + glass * c, side * belt, z + glass * s), 0.08, paint)
             mesh.beam(
@@ -178,8 +179,8 @@ class OpenHatch(Fitting):
             )  # fmt: skip
 
     @staticmethod
-    def _length(one: Pair, two: Pair) -> float:
-        dx, dz = one[0] - two[0], one[1] - two[1]
+    def _length(start: Pair, end: Pair) -> float:
+        dx, dz = start[0] - end[0], start[1] - end[1]
         return float((dx * dx + dz * dz) ** 0.5)
 
 
@@ -209,7 +210,7 @@ class RearDoors(Fitting):
             door = [
                 (x, half, low), (x, half, high), (edge[0], edge[1], high), (edge[0], edge[1], low)
             ]  # fmt: skip
-            _face(mesh, _on(side, door), shown.colour(self.colour), _LINING)
+            _add_panel(mesh, _on_side(side, door), shown.colour(self.colour), _LINING)
 
 
 class TailLift(Fitting):
@@ -250,10 +251,10 @@ class SideText(Fitting):
         if not text:
             return
         (back, fore), (lower, upper), (low, high) = self.side_text, self.y, self.z
-        for one, two, side in ((back, fore, -1.0), (fore, back, 1.0)):
+        for start, end, side in ((back, fore, -1.0), (fore, back, 1.0)):
             corners = (
-                (one, side * lower, low), (two, side * lower, low),
-                (two, side * upper, high), (one, side * upper, high),
+                (start, side * lower, low), (end, side * lower, low),
+                (end, side * upper, high), (start, side * upper, high),
             )  # fmt: skip
             sign = shapes.Text(text=text, on=corners, ink="black", paper="white")
             add(sign, mesh, shown, Placing())

@@ -16,13 +16,13 @@ from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.look import Appearance
 
 
-def _known_region(name: str) -> str:
+def _check_region(name: str) -> str:
     if name not in REGIONS:
         raise ValueError(f"unknown printed region {name!r}")
     return name
 
 
-Region = Annotated[str, AfterValidator(_known_region)]
+Region = Annotated[str, AfterValidator(_check_region)]
 """A printed region of the atlas."""
 
 
@@ -86,20 +86,19 @@ class Picture(DrawnPart):
 
 def add_picture(mesh: MeshBuilder, on: Sequence[Point], region: str, place: Placing) -> None:
     """Add a quad that shows a printed region; a mirrored one stays readable."""
-    one, two, three, four = (place.point(point) for point in on)
-    mesh.textured_quad(
-        [one, two, three, four] if place.side > 0 else [two, one, four, three], region
-    )
+    corners = [place.point(point) for point in on]
+    order = (0, 1, 2, 3) if place.side > 0 else (1, 0, 3, 2)
+    mesh.textured_quad([corners[index] for index in order], region)
 
 
 Holder = shapes.BothSidesOf | shapes.RowOf | shapes.CopiesOf | shapes.ConditionOf
 """A part that only holds others."""
 
 
-def held(
+def placed_parts(
     part: Holder, place: Placing, applies: Callable[[str, float], bool]
 ) -> Iterator[tuple[Part, Placing]]:
-    """Yield the parts that a part holds, each with its place.
+    """Return the parts that a part holds, each with its place.
 
     Args:
         part: The part that holds them.
@@ -119,7 +118,7 @@ def held(
         case shapes.ConditionOf():
             is_on = all(applies(word, place.side) for word in part.when.split())
             parts = part.parts if is_on else part.otherwise
-    return ((one, there) for there in places for one in parts)
+    return ((inner, inner_place) for inner_place in places for inner in parts)
 
 
 @singledispatch
@@ -162,14 +161,17 @@ def _(part: shapes.Tube, mesh: MeshBuilder, shown: Appearance, place: Placing) -
     for start, end in itertools.pairwise(hung(part)):
         count = bands(part, start, end)
         for k in range(count):
-            one, two = _between(start, end, k / count), _between(start, end, (k + 1) / count)
-            mesh.beam(place.point(one), place.point(two), part.width, colours[k % 2])
+            ends = (_between(start, end, share / count) for share in (k, k + 1))
+            near, far = (place.point(point) for point in ends)
+            mesh.beam(near, far, part.width, colours[k % 2])
 
 
 def _between(start: Point, end: Point, share: float) -> Point:
     """Return the point at a share of the way; both ends are exact."""
-    if share in (0.0, 1.0):
-        return end if share else start
+    if share == 0.0:
+        return start
+    if share == 1.0:
+        return end
     x, y, z = (a + share * (b - a) for a, b in zip(start, end, strict=True))
     return x, y, z
 
@@ -189,12 +191,12 @@ def _(part: shapes.Cylinder, mesh: MeshBuilder, shown: Appearance, place: Placin
 
 @add.register
 def _(part: shapes.Lathe, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
-    for one, two, colour in zip(part.lathe[:-1], part.lathe[1:], part.colours, strict=True):
-        start, end = place.point(one[:3]), place.point(two[:3])
+    sections = zip(itertools.pairwise(part.lathe), part.colours, strict=True)
+    for ((*start, radius), (*end, end_radius)), colour in sections:
         cap = shown.colour(part.cap_colour or colour)
         mesh.cylinder(
-            start, end, one[3], shown.colour(colour),
-            sides=part.sides, end_radius=two[3], cap_colour=cap,
+            place.point(start), place.point(end), radius, shown.colour(colour),
+            sides=part.sides, end_radius=end_radius, cap_colour=cap,
         )  # fmt: skip
 
 
@@ -232,7 +234,7 @@ def _(part: shapes.Sheet, mesh: MeshBuilder, shown: Appearance, place: Placing) 
 def _(part: shapes.Wheel, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
     x, y, z = place.point((*part.wheel, 0.0))
     if x < 0.0 < y and shown.has("wheel_off"):
-        _wheel_off(part, mesh, (x, y, z))
+        _add_removed_wheel(part, mesh, (x, y, z))
     elif z == 0.0:
         mesh.wheel(x, y, part.radius, part.width, hub=part.hub)
     else:
@@ -240,7 +242,7 @@ def _(part: shapes.Wheel, mesh: MeshBuilder, shown: Appearance, place: Placing) 
         mesh.add_surface(wheel.build(), (0.0, 0.0, z))
 
 
-def _wheel_off(part: shapes.Wheel, mesh: MeshBuilder, at: Point) -> None:
+def _add_removed_wheel(part: shapes.Wheel, mesh: MeshBuilder, at: Point) -> None:
     """Add a bare hub, a jack beside it, and the wheel on the road."""
     (x, y, z), radius = at, part.radius
     hub = y - 0.4 * part.width
@@ -252,9 +254,9 @@ def _wheel_off(part: shapes.Wheel, mesh: MeshBuilder, at: Point) -> None:
     mesh.beam(jack, (jack[0], y, z + 0.8 * radius), 0.1, "red", end_width=0.05)
     mesh.box((jack[0], y, z + 0.03), (0.26, 0.22, 0.06), "red")
     mesh.beam((jack[0], y, z + 0.1), (jack[0], y + 0.6, z + 0.16), 0.03, "silver")
-    beside = (x - 0.5 * radius, y + 0.75, z)
-    top = (beside[0], beside[1], z + part.width)
-    mesh.cylinder(beside, top, radius, "tyre", sides=14)
+    foot = (x - 0.5 * radius, y + 0.75, z)
+    top = (foot[0], foot[1], z + part.width)
+    mesh.cylinder(foot, top, radius, "tyre", sides=14)
     mesh.cylinder(top, (*top[:2], top[2] + 0.006), 0.62 * radius, part.hub, sides=10)
 
 

@@ -51,8 +51,8 @@ def add_spoked_wheel(
     x, y, z = centre
     turns = [TAU * k / _BARS - TAU * turned for k in range(_BARS)]
     rim = [(x + radius * cos(turn), y, z + radius * sin(turn)) for turn in turns]
-    for one, two in itertools.pairwise([*rim, rim[0]]):
-        mesh.beam(one, two, tyre, "tyre")
+    for start, end in itertools.pairwise([*rim, rim[0]]):
+        mesh.beam(start, end, tyre, "tyre")
     for end in rim[::2]:
         mesh.beam(centre, end, spoke, "silver")
 
@@ -72,10 +72,10 @@ class Torus(DrawnPart):
         """Add the faces."""
         centre, colour = place.point(self.torus), shown.colour(self.colour)
         circles = [self._circle(centre, TAU * k / _AROUND) for k in range(_AROUND)]
-        for one, two in itertools.pairwise([*circles, circles[0]]):
+        for near, far in itertools.pairwise([*circles, circles[0]]):
             for k in range(_ACROSS):
                 after = (k + 1) % _ACROSS
-                mesh.polygon([one[k], two[k], two[after], one[after]], colour)
+                mesh.polygon([near[k], far[k], far[after], near[after]], colour)
 
     def _circle(self, centre: Point, turn: float) -> list[Point]:
         """Return the corners of the cross-section at an angle."""

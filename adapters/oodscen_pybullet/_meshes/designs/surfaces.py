@@ -12,6 +12,7 @@ from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs.parts import Placing, add
 from oodscen_pybullet._meshes.look import Appearance
+from oodscen_pybullet._meshes.shapes import LEAST_LENGTH, flat_normal
 from oodscen_pybullet._types import Array
 
 _LIFT = 0.008
@@ -20,28 +21,46 @@ _THREAD = 0.03
 """Width of the threads of a net, m."""
 _JOINT = 0.1
 """Share of a board or brick that is its joint."""
+_MOST_DASHES = 79
+"""Dashes and gaps of a piece of a painted line, at most."""
 
 
 class _Face:
-    """A quad with coordinates from 0 to 1, from its bottom left."""
+    """A quad with coordinates from 0 to 1, from its bottom left; two neighbouring corners may be one."""
 
     def __init__(self, corners: Sequence[Sequence[float]], side: float) -> None:
+        """Take the corners from the bottom left, counter-clockwise; side -1 if they are mirrored."""
         one, two, three, four = (np.asarray(corner, np.float64) for corner in corners)
         if side < 0:
             one, two, three, four = two, one, four, three
         self.corners = one, two, three, four
-        self.width = float(np.sqrt(((two - one) ** 2).sum()))
-        self.height = float(np.sqrt(((four - one) ** 2).sum()))
-        normal = np.cross(two - one, four - one)
-        self.normal = normal / np.sqrt(float((normal**2).sum()))
+        self.width = _distance(one, two) or _distance(four, three)
+        self.height = _distance(one, four) or _distance(two, three)
+        self.normal = _normal(self.corners)
 
-    def at(self, u: float, v: float, lift: float = 0.0) -> Array:
+    def point(self, u: float, v: float, lift: float = 0.0) -> Array:
+        """Return the point at coordinates, lifted off the face by a distance, m."""
         one, two, three, four = self.corners
         low, high = one * (1 - u) + two * u, four * (1 - u) + three * u
         return np.asarray(low * (1 - v) + high * v + lift * self.normal)
 
     def cell(self, u0: float, u1: float, v0: float, v1: float, lift: float = 0.0) -> list[Array]:
-        return [self.at(u, v, lift) for u, v in ((u0, v0), (u1, v0), (u1, v1), (u0, v1))]
+        """Return the corners of a part of the face, from its bottom left."""
+        return [self.point(u, v, lift) for u, v in ((u0, v0), (u1, v0), (u1, v1), (u0, v1))]
+
+
+def _distance(one: Array, two: Array) -> float:
+    return float(np.sqrt(((two - one) ** 2).sum()))
+
+
+def _normal(corners: tuple[Array, Array, Array, Array]) -> Array:
+    """Return the unit normal of a quad at its first corner; if that has no angle, of the quad as a whole."""
+    one, two, _, four = corners
+    normal = np.cross(two - one, four - one)
+    length = np.sqrt(float((normal**2).sum()))
+    if length > LEAST_LENGTH:
+        return np.asarray(normal / length)
+    return np.array(flat_normal([corner.tolist() for corner in corners]) or (0.0, 0.0, 1.0))
 
 
 Paint = Callable[[Sequence[Array], bool], None]
@@ -59,25 +78,36 @@ def _(part: shapes.Panel, mesh: MeshBuilder, shown: Appearance, place: Placing) 
             mesh.polygon(np.array(corners)[::-1], colours[is_second])
 
     across, up = cells(part)
-    if part.pattern in ("plain", "speckle"):
-        paint(face.cell(0, 1, 0, 1), False)
-    if part.pattern == "speckle":
-        _speckle(part, face, paint, across * up)
-    elif part.pattern == "net":
-        _net(face, paint, across, up)
-    elif part.pattern == "planks":
-        for row in range(up):
-            low, high = row / up, (row + 1) / up
-            seam = low + _JOINT * (high - low)
-            paint(face.cell(0, 1, low, seam), True)
-            paint(face.cell(0, 1, seam, high), False)
-    elif part.pattern in ("bricks", "windows"):
-        _walling(part, face, paint, across, up)
-    elif part.pattern != "plain":
-        for row in range(up):
-            for column in range(across):
-                cell = face.cell(column / across, (column + 1) / across, row / up, (row + 1) / up)
-                paint(cell, (row + column) % 2 == 1)
+    match part.pattern:
+        case "plain":
+            paint(face.cell(0, 1, 0, 1), False)
+        case "speckle":
+            paint(face.cell(0, 1, 0, 1), False)
+            _speckle(part, face, paint, across * up)
+        case "net":
+            _net(face, paint, across, up)
+        case "planks":
+            _planks(face, paint, up)
+        case "bricks" | "windows":
+            _walling(part, face, paint, across, up)
+        case _:
+            _checks(face, paint, across, up)
+
+
+def _planks(face: _Face, paint: Paint, up: int) -> None:
+    for row in range(up):
+        low, high = row / up, (row + 1) / up
+        seam = low + _JOINT * (high - low)
+        paint(face.cell(0, 1, low, seam), True)
+        paint(face.cell(0, 1, seam, high), False)
+
+
+def _checks(face: _Face, paint: Paint, across: int, up: int) -> None:
+    """Paint checks; stripes are checks in a single row or column."""
+    for row in range(up):
+        for column in range(across):
+            cell = face.cell(column / across, (column + 1) / across, row / up, (row + 1) / up)
+            paint(cell, (row + column) % 2 == 1)
 
 
 def _speckle(part: shapes.Panel, face: _Face, paint: Paint, count: int) -> None:
@@ -158,9 +188,9 @@ def _(part: shapes.Strip, mesh: MeshBuilder, shown: Appearance, place: Placing) 
         start, way = np.array([x0, y0]), np.array([x1 - x0, y1 - y0])
         length = float(np.sqrt((way**2).sum()))
         aside = np.array([-way[1], way[0]]) / length * part.width / 2
-        count = min(79, max(1, round(length / part.dash))) if part.dash else 1
+        count = max(1, round(min(length / part.dash, _MOST_DASHES))) if part.dash else 1
         for k in range(0, count, 2):
-            a, b = start + way * k / count, start + way * (k + 1) / count
-            flat = [a - aside, b - aside, b + aside, a + aside]
-            corners = [place.point((*point.tolist(), part.height)) for point in flat]
+            first, last = start + way * k / count, start + way * (k + 1) / count
+            dash = [first - aside, last - aside, last + aside, first + aside]
+            corners = [place.point((*point.tolist(), part.height)) for point in dash]
             mesh.polygon(corners if place.side > 0 else corners[::-1], shown.colour(part.colour))

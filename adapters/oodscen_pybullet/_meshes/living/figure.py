@@ -82,10 +82,10 @@ def figure(
     drop = posture.crouch + drop_of(gait)
     hip, shoulder = HIP_M - drop, SHOULDER_M - drop
     for side in (-1.0, 1.0):
-        own = gait and gait.of(side)
-        add_leg(mesh, clothes, side, hip, own, posture.half_step)
+        step = gait and gait.of(side)
+        add_leg(mesh, clothes, side, hip, step, posture.half_step)
         hand = posture.left_hand if side > 0 else posture.right_hand
-        add_arm(mesh, clothes, side, (lean, side * 0.225, shoulder), hand, own)
+        add_arm(mesh, clothes, side, (lean, side * 0.225, shoulder), hand, step)
     add_trunk(mesh, clothes, hip, shoulder, lean)
     add_skirt(mesh, clothes, hip)
     head = add_neck(mesh, clothes, shoulder, lean)

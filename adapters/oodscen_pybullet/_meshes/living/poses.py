@@ -1,23 +1,16 @@
-"""Poses and gestures of people as joint angles, and the positions of the joints that follow from them."""
+"""Poses and gestures of people as joint angles."""
 
 import tomllib
 from functools import cache
 from importlib.resources import files
-from typing import Annotated, Literal, NamedTuple, Self
+from typing import Annotated, Literal, Self
 
-import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, model_validator
 
 from oodscen.data._details import Details, posed
-from oodscen.numerics._exact import PI, cos, sin
+from oodscen.numerics._exact import PI, cos
 from oodscen_pybullet._meshes.look import BEATS
-from oodscen_pybullet._meshes.shapes import rotated, rotation
-from oodscen_pybullet._types import Array, Point
 
-UPPER_ARM, FOREARM = 0.28, 0.27
-THIGH, SHIN = 0.425, 0.41
-SHOULDER_Y, HIP_Y = 0.225, 0.095
-"""Distance of the joints from the middle of the body, m."""
 _Raise = Annotated[float, Field(ge=-60, le=185)]
 _Aside = Annotated[float, Field(ge=-40, le=110)]
 _Elbow = Annotated[float, Field(ge=0, le=150)]
@@ -52,17 +45,15 @@ class KeyFrame(BaseModel):
         """Return the angles at a share of the way to another key frame."""
         if share == 0.0:
             return self
-        mixed = {}
+        blended = {}
         for name in type(self).model_fields:
-            one, two = getattr(self, name), getattr(other, name)
-            if isinstance(one, tuple):
-                two = two if isinstance(two, tuple) else one
-                mixed[name] = tuple(a + share * (b - a) for a, b in zip(one, two, strict=True))
-            elif isinstance(one, float):
-                mixed[name] = one + share * (two - one)
-            else:
-                mixed[name] = one
-        return self.model_copy(update=mixed)
+            start, end = getattr(self, name), getattr(other, name)
+            if isinstance(start, tuple) and isinstance(end, tuple):
+                pairs = zip(start, end, strict=True)
+                blended[name] = tuple(a + share * (b - a) for a, b in pairs)
+            elif isinstance(start, float):
+                blended[name] = start + share * (end - start)
+        return self.model_copy(update=blended)
 
 
 class Pose(KeyFrame):
@@ -85,7 +76,7 @@ class Pose(KeyFrame):
 
     @model_validator(mode="after")
     def _timed(self) -> Self:
-        clocks = [one for one in (self.period_s, self.stride_m) if one is not None]
+        clocks = [clock for clock in (self.period_s, self.stride_m) if clock is not None]
         if len(clocks) != (self.second is not None):
             raise ValueError("a second key frame needs one of period_s and stride_m")
         return self
@@ -120,65 +111,3 @@ def load_poses() -> dict[str, Pose]:
 def pose_of(details: Details | None) -> Pose | None:
     """Return the pose of an actor, `None` if it has none."""
     return load_poses().get(posed(details)) if details else None
-
-
-# ---------------------------------------------------------------------- joints
-
-
-class Chain(NamedTuple):
-    """A limb: its three joints, and the direction of the hand or of the foot."""
-
-    start: Point
-    middle: Point
-    end: Point
-    way: Point
-
-
-def arm(angles: Arm, side: float, shoulder: Point) -> Chain:
-    """Return the joints of an arm; `side` is 1 for the left one."""
-    lift, aside, elbow, twist = (PI * value / 180.0 for value in angles)
-    # The hanging arm, with the forearm's bend forward, is swung up in the plane at the azimuth `aside`.
-    azimuth = side * aside
-    swing = _times(rotation(yaw=azimuth), _times(rotation(pitch=-lift), rotation(yaw=-azimuth)))
-    down, forward = (0.0, 0.0, -1.0), (cos(twist), -side * sin(twist), 0.0)
-    bent = _mixed(down, forward, cos(elbow), sin(elbow))
-    upper, lower = _way(swing, down), _way(swing, bent)
-    middle = _along(shoulder, upper, UPPER_ARM)
-    return Chain(shoulder, middle, _along(middle, lower, FOREARM), lower)
-
-
-def leg(angles: Leg, side: float, hip: Point, lean: float) -> Chain:
-    """Return the joints of a leg; a foot without an angle is level although the body leans, in degrees."""
-    thigh, out, knee = (PI * value / 180.0 for value in angles[:3])
-    sideways = rotation(roll=side * out)
-    shin = thigh - knee
-    ankle = PI * angles[3] / 180.0 if len(angles) == 4 else shin - PI * lean / 180.0
-    foot = shin + PI / 2 - ankle
-
-    def down(turn: float) -> Point:
-        return _way(sideways, (sin(turn), 0.0, -cos(turn)))
-
-    middle = _along(hip, down(thigh), THIGH)
-    return Chain(hip, middle, _along(middle, down(shin), SHIN), down(foot))
-
-
-def trunk(frame: KeyFrame) -> Array:
-    """Return the rotation of the trunk about the hips."""
-    return _times(rotation(pitch=PI * frame.lean / 180.0), rotation(roll=-PI * frame.roll / 180.0))
-
-
-def _times(one: Array, two: Array) -> Array:
-    return rotated(two.T, one).T
-
-
-def _way(rows: Array, way: Point) -> Point:
-    x, y, z = rotated(np.array([way]), rows)[0].tolist()
-    return x, y, z
-
-
-def _mixed(one: Point, two: Point, a: float, b: float) -> Point:
-    return a * one[0] + b * two[0], a * one[1] + b * two[1], a * one[2] + b * two[2]
-
-
-def _along(start: Point, way: Point, length: float) -> Point:
-    return _mixed(start, way, 1.0, length)

@@ -9,23 +9,26 @@ from oodscen.numerics._exact import PI
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.living import body
 from oodscen_pybullet._meshes.living.body import HIP_M, SHOULDER_M, Clothes
-from oodscen_pybullet._meshes.living.limbs import limb
-from oodscen_pybullet._meshes.living.poses import (
+from oodscen_pybullet._meshes.living.joints import (
     HIP_Y,
     SHOULDER_Y,
     Chain,
-    KeyFrame,
-    Pose,
-    arm,
-    leg,
-    trunk,
+    arm_joints,
+    leg_joints,
+    point_along,
+    trunk_rotation,
 )
+from oodscen_pybullet._meshes.living.limbs import limb
+from oodscen_pybullet._meshes.living.poses import Arm, KeyFrame, Pose
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.shapes import rotated, rotation
 from oodscen_pybullet._types import Point
 
 _ROPE = "#c8a86a"
 _GLOW = (0.75, 0.85, 1.0)
+"""Colour of a lit screen."""
+_HANGING: Arm = (6.0, 60.0, 4.0, 0.0)
+"""Angles of an arm whose hand is beside the hip, degrees."""
 _Extras = Sequence[Callable[[MeshBuilder, Point], None] | None]
 
 
@@ -53,54 +56,55 @@ def posed_figure(
     worn, on_head = extras
     dressed = replace(clothes, legs=clothes.skirt or clothes.legs) if bends_legs else clothes
     drop = body.drop_of(gait)
-    person, whole, hip = MeshBuilder(), MeshBuilder(), HIP_M - drop
+    person, upper, hip = MeshBuilder(), MeshBuilder(), HIP_M - drop
     for side in (-1.0, 1.0):
-        own = gait and gait.of(side, backwards=pose.backwards)
+        step = gait and gait.of(side, backwards=pose.backwards)
         if bends_legs:
             angles = frame.left_leg if side > 0 else frame.right_leg
             assert angles is not None
-            _leg(whole, dressed, leg(angles, side, (0.0, side * HIP_Y, hip), frame.lean))
+            joints = leg_joints(angles, side, (0.0, side * HIP_Y, hip), frame.lean)
+            _add_leg(upper, dressed, joints)
         else:
-            body.add_leg(person, clothes, side, hip, own, half_step)
+            body.add_leg(person, clothes, side, hip, step, half_step)
         shoulder = (0.0, side * SHOULDER_Y, SHOULDER_M - drop)
         arm_angles = frame.left_arm if side > 0 else frame.right_arm
         if arm_angles is None:
-            body.add_arm(whole, dressed, side, shoulder, None, own)
+            body.add_arm(upper, dressed, side, shoulder, None, step)
         else:
-            _arm(whole, dressed, arm(arm_angles, side, shoulder), pose.hands)
-    body.add_trunk(whole, dressed, hip, SHOULDER_M - drop, 0.0)
-    head = body.add_neck(whole, clothes, SHOULDER_M - drop, 0.0)
+            _add_arm(upper, dressed, arm_joints(arm_angles, side, shoulder), pose.hands)
+    body.add_trunk(upper, dressed, hip, SHOULDER_M - drop, 0.0)
+    head = body.add_neck(upper, clothes, SHOULDER_M - drop, 0.0)
     face = MeshBuilder()
     body.add_head(face, clothes)
     if on_head is not None:
         on_head(face, (0.0, 0.0, 0.0))
     nod, turn = frame.head
     look = rotation(pitch=PI * nod / 180.0, yaw=PI * turn / 180.0)
-    whole.add_surface(face.build().moved(look, to=head))
+    upper.add_surface(face.build().moved(look, to=head))
     if worn is not None:
-        worn(whole, head)
+        worn(upper, head)
     middle = (0.0, 0.0, hip)
-    person.add_surface(whole.build().moved(trunk(frame), about=middle, to=middle))
+    person.add_surface(upper.build().moved(trunk_rotation(frame), about=middle, to=middle))
     if not bends_legs:
         body.add_skirt(person, clothes, hip)
     _add_things(mesh, pose, frame)
     mesh.add_surface(person.build(), yaw=PI if pose.backwards else 0.0)
 
 
-def _leg(mesh: MeshBuilder, clothes: Clothes, joints: Chain) -> None:
+def _add_leg(mesh: MeshBuilder, clothes: Clothes, joints: Chain) -> None:
     shin = clothes.shins or clothes.legs
     limb(mesh, joints[:3], (0.09, 0.065, 0.045), (clothes.legs, shin))
-    heel = _along(joints.end, joints.way, -0.07)
-    toe = _along(joints.end, joints.way, 0.19)
+    heel = point_along(joints.end, joints.way, -0.07)
+    toe = point_along(joints.end, joints.way, 0.19)
     mesh.beam(heel, toe, 0.105, clothes.shoes, end_width=0.07)
 
 
-def _arm(mesh: MeshBuilder, clothes: Clothes, joints: Chain, hand: str) -> None:
+def _add_arm(mesh: MeshBuilder, clothes: Clothes, joints: Chain, hand: str) -> None:
     lower = clothes.sleeves or clothes.top
     limb(mesh, joints[:3], (0.062, 0.048, 0.034), (clothes.top, lower))
     colour = clothes.gesture_gloves or clothes.skin
     mesh.ball(joints.end, (0.045, 0.045, 0.06), colour, around=6, down=4)
-    tip = _along(joints.end, joints.way, 0.2)
+    tip = point_along(joints.end, joints.way, 0.2)
     if hand == "flat":
         mesh.beam(joints.end, tip, 0.11, colour, end_width=0.08)
     elif hand == "finger":
@@ -109,13 +113,12 @@ def _arm(mesh: MeshBuilder, clothes: Clothes, joints: Chain, hand: str) -> None:
 
 def hands(frame: KeyFrame) -> tuple[Point, Point]:
     """Return the right and the left hand of a person who stands; those without angles hang."""
-    at, points = np.array([0.0, 0.0, HIP_M]), []
+    hip, points = np.array([0.0, 0.0, HIP_M]), []
     for side, angles in ((-1.0, frame.right_arm), (1.0, frame.left_arm)):
         shoulder = (0.0, side * SHOULDER_Y, SHOULDER_M)
-        points.append(arm(angles or (6, 60, 4, 0), side, shoulder).end)
-    rows = rotated(np.array(points) - at, trunk(frame)) + at
-    (a, b, c), (d, e, f) = rows.tolist()
-    return (a, b, c), (d, e, f)
+        points.append(arm_joints(angles or _HANGING, side, shoulder).end)
+    right, left = (rotated(np.array(points) - hip, trunk_rotation(frame)) + hip).tolist()
+    return tuple(right), tuple(left)
 
 
 def _add_things(mesh: MeshBuilder, pose: Pose, frame: KeyFrame) -> None:
@@ -132,8 +135,3 @@ def _add_things(mesh: MeshBuilder, pose: Pose, frame: KeyFrame) -> None:
         mesh.box((x + 0.02, y, z + 0.07), (0.03, 0.08, 0.15), "black")
         mesh.box((x - 0.002, y, z + 0.07), (0.012, 0.07, 0.13), "screen_lit")
         mesh.lamp((x - 0.05, y, z + 0.08), _GLOW, (-1.0, 0.0, 0.0), 0.4)
-
-
-def _along(start: Point, way: Point, length: float) -> Point:
-    x, y, z = (a + length * b for a, b in zip(start, way, strict=True))
-    return x, y, z

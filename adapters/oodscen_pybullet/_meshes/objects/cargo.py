@@ -3,6 +3,7 @@
 import math
 
 from oodscen_pybullet._meshes.builder import MeshBuilder
+from oodscen_pybullet._meshes.shapes import GOLDEN_ANGLE
 from oodscen_pybullet._types import Point
 
 _LOGS: tuple[tuple[Point, Point, float], ...] = (
@@ -25,8 +26,8 @@ _COLUMNS, _ROWS = 9, 8
 """Corners of a tarpaulin along x and y."""
 _SHEET = (1.1, 1.3)
 """Half its length and its width, m."""
-_TWIGS, _TWIG_TURN = 44, 2.399963
-"""Twigs of a tumbleweed, and the golden angle between neighbours, rad: it spreads them evenly."""
+_TWIGS = 44
+"""Twigs of a tumbleweed."""
 _WEED_Z, _WEED_RADIUS = 0.42, 0.40
 
 
@@ -91,7 +92,7 @@ def _crease(i: int, j: int) -> Point:
 def tumbleweed(mesh: MeshBuilder) -> None:
     """A ball of dry twigs."""
     for index in range(_TWIGS):
-        turn, rise = index * _TWIG_TURN, -1 + 2 * (index + 0.5) / _TWIGS
+        turn, rise = index * GOLDEN_ANGLE, -1 + 2 * (index + 0.5) / _TWIGS
         x, y, z = _on_sphere(turn, rise)
         start = (x, y, _WEED_Z + z)
         x, y, z = _on_sphere(turn + 1.5 + 0.3 * (index % 3), 0.6 * rise)

@@ -3,6 +3,7 @@
 import math
 
 from oodscen_pybullet._meshes.builder import MeshBuilder
+from oodscen_pybullet._meshes.shapes import GOLDEN_ANGLE
 from oodscen_pybullet._types import Point
 
 _BOUGHS: tuple[tuple[Point, Point], ...] = (
@@ -32,8 +33,6 @@ _CLUMPS = (
 """Clumps of its leaves: x, y, z of the middle and radius, m."""
 _GREENS = ("leaf", "leaf_dark", "leaf_light")
 _AUTUMN = ("leaf_autumn", "leaf_yellow", "burgundy", "rust", "straw")
-_GOLDEN_ANGLE = 2.399963
-"""Turn from one leaf of a heap to the next, which spreads them evenly, rad."""
 
 
 def fallen_tree(mesh: MeshBuilder) -> None:
@@ -116,7 +115,7 @@ def leaves_pile(mesh: MeshBuilder) -> None:
         second_colour="burgundy",
     )
     for index in range(70):
-        turn, reach = index * _GOLDEN_ANGLE, 0.55 + 0.65 * ((index * 7) % 10) / 10
+        turn, reach = index * GOLDEN_ANGLE, 0.55 + 0.65 * ((index * 7) % 10) / 10
         x, y = 1.05 * reach * math.cos(turn), 1.2 * reach * math.sin(turn)
         dome = max(0.0, 1 - (x / 0.85) ** 2 - (y / 1.0) ** 2)
         z, spin = 0.36 * math.sqrt(dome) + 0.02, 1.3 * index

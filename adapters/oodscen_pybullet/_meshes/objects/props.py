@@ -54,16 +54,16 @@ def _add_leaf(mesh: MeshBuilder, start: Point, end: Point, colour: str) -> None:
 
 def mattress(mesh: MeshBuilder) -> None:
     """A sagging mattress with striped sides and one end bent up."""
-    for one, two in itertools.pairwise(_MATTRESS):
-        _add_piece(mesh, one, two)
+    for start, end in itertools.pairwise(_MATTRESS):
+        _add_piece(mesh, start, end)
     (x0, z0), (x1, z1) = _MATTRESS[0], _MATTRESS[-1]
     mesh.polygon(upright((x0, _HALF_M), (x0, -_HALF_M), z0, z0 + _THICK_M), "mattress_edge")
     mesh.polygon(upright((x1, -_HALF_M), (x1, _HALF_M), z1, z1 + _THICK_M), "mattress_edge")
 
 
-def _add_piece(mesh: MeshBuilder, one: tuple[float, float], two: tuple[float, float]) -> None:
+def _add_piece(mesh: MeshBuilder, start: tuple[float, float], end: tuple[float, float]) -> None:
     """Add the mattress between two points of its underside: stripes on top, then the bottom and the edges."""
-    (x0, z0), (x1, z1) = one, two
+    (x0, z0), (x1, z1) = start, end
     top0, top1 = z0 + _THICK_M, z1 + _THICK_M
     stripe = 2 * _HALF_M / _STRIPES
     for index in range(_STRIPES):
@@ -111,17 +111,20 @@ def shopping_cart(mesh: MeshBuilder) -> None:
 def _add_wires(mesh: MeshBuilder, i: int, j: int) -> None:
     """Add the wires of the basket's side between two of its corners."""
     for k in range(_UPRIGHTS):
-        a, b = (_between(rim[i], rim[j], k / (_UPRIGHTS - 1)) for rim in (_FLOOR, _RIM))
-        mesh.beam((*a, _FLOOR_Z), (*b, _RIM_Z), 0.018, "silver")
+        low, high = (_between(rim[i], rim[j], k / (_UPRIGHTS - 1)) for rim in (_FLOOR, _RIM))
+        mesh.beam((*low, _FLOOR_Z), (*high, _RIM_Z), 0.018, "silver")
     for k in range(_HOOPS):
         share = k / (_HOOPS - 1)
         z = _FLOOR_Z + (_RIM_Z - _FLOOR_Z) * share
-        a, b = (_between(_FLOOR[corner], _RIM[corner], share) for corner in (i, j))
-        mesh.beam((*a, z), (*b, z), 0.022, "silver" if share < 1.0 else "light_grey")
+        start, end = (_between(_FLOOR[corner], _RIM[corner], share) for corner in (i, j))
+        mesh.beam((*start, z), (*end, z), 0.022, "silver" if share < 1.0 else "light_grey")
 
 
-def _between(a: tuple[float, float], b: tuple[float, float], f: float) -> tuple[float, float]:
-    return a[0] + f * (b[0] - a[0]), a[1] + f * (b[1] - a[1])
+def _between(
+    start: tuple[float, float], end: tuple[float, float], share: float
+) -> tuple[float, float]:
+    """Return the point at a share of the way."""
+    return start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])
 
 
 STILL = (plant_pot, mattress, debris, shopping_cart)

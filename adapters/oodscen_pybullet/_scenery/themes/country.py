@@ -24,10 +24,10 @@ def furnish_country(site: Site, is_night: bool) -> None:
         for spot in site.spots(way, 1, 4.0):
             if not site.is_spanned(spot):
                 site.try_to_stand(fence, spot, 0.0, 10.0, margin=6.0, radius=0.3)
-        _power_line(site, way)
+        _add_power_line(site, way)
         add_speed_signs(site, way, 1.6, 90.0)
         for spot in site.spots(way, 1, 330.0, first=40.0):
-            _farm(site, spot, is_night)
+            _add_farm(site, spot, is_night)
         for spot in site.spots(way, -1, 90.0, jitter=30.0):
             for along in (0.0, 7.0, 15.0):
                 site.try_to_stand(bale, spot, along, 26.0 + along / 3, margin=8.0, radius=0.8)
@@ -35,30 +35,30 @@ def furnish_country(site: Site, is_night: bool) -> None:
     add_horizon(site, 70.0)
 
 
-def _power_line(site: Site, way: Way) -> None:
+def _add_power_line(site: Site, way: Way) -> None:
     """Add poles along the right side, connected by wires."""
-    last: tuple[Point, Point] | None = None
+    previous: tuple[Point, Point] | None = None
     wires = MeshBuilder()
     for spot in site.spots(way, -1, 40.0):
         x, y = spot.beside(0.0, 13.0)
         if not site.is_free(x, y, 6.0) or site.is_spanned(spot, 24.0):
-            last = None
+            previous = None
             continue
         site.claim(x, y, spot.heading, 0.3, 0.3, margin=0.0)
         _, _, z = site.stand(furniture.piece("power_pole"), spot, 0.0, 13.0)
         (ax, ay), (bx, by) = spot.beside(0.0, 12.1), spot.beside(0.0, 13.9)
         ends: tuple[Point, Point] = ((ax, ay, z + 8.15), (bx, by, z + 8.15))
-        if last is not None:
-            for start, end in zip(last, ends, strict=True):
-                middle = [0.5 * (p + q) for p, q in zip(start, end, strict=True)]
-                low = (middle[0], middle[1], middle[2] - 0.5)
+        if previous is not None:
+            for start, end in zip(previous, ends, strict=True):
+                x, y, z = (0.5 * (p + q) for p, q in zip(start, end, strict=True))
+                low = (x, y, z - 0.5)
                 wires.beam(start, low, 0.03, "dark_grey").beam(low, end, 0.03, "dark_grey")
-        last = ends
-    if last is not None:
+        previous = ends
+    if previous is not None:
         site.add(tagged(wires.build(), Tag.POLES), ORIGIN, (1.0, 0.0))
 
 
-def _farm(site: Site, spot: RoadsidePlace, is_night: bool) -> None:
+def _add_farm(site: Site, spot: RoadsidePlace, is_night: bool) -> None:
     """Add a farmhouse and its barn."""
     x, y = spot.beside(0.0, 24.0)
     if site.is_spanned(spot, 30.0):

@@ -18,7 +18,7 @@ def furnish(site: Site, theme: Theme, *, is_night: bool) -> None:
         theme: The kind of land.
         is_night: Whether windows and lamps are lit.
     """
-    for x, y, radius in site.terrain.islands.middles:
+    for x, y, radius in site.terrain.islands.circles:
         _plant_island(site, x, y, radius)
     match theme:
         case "residential":

@@ -20,20 +20,20 @@ def furnish_highway(site: Site) -> None:
         for strip in way.corridor.strips:
             if strip.kind == "median" and strip.direction >= 0:
                 _, left = strip_edges(way.corridor, way.course, strip)
-                _rails(site, way, left - 0.16, left + 0.16)
+                _add_rails(site, way, left - 0.16, left + 0.16)
                 break
         right, left = way.carriageway
-        _rails(site, way, left + 1.0, right - 1.0)
+        _add_rails(site, way, left + 1.0, right - 1.0)
         for side in SIDES:
             for spot in site.spots(way, side, 50.0):
                 site.try_to_stand(post, spot, 0.0, 2.0, margin=1.5, radius=0.1)
         if way.is_ego:
-            _gantries(site, way)
+            _add_gantries(site, way)
         add_woods(site, way, (7.0, 46.0))
     add_horizon(site, 95.0)
 
 
-def _gantries(site: Site, way: Way) -> None:
+def _add_gantries(site: Site, way: Way) -> None:
     """Add sign gantries where the road is as wide as at its beginning."""
     first = float(way.carriageway.right[0])
     mesh = furniture.gantry(abs(first) + 0.6)
@@ -45,13 +45,13 @@ def _gantries(site: Site, way: Way) -> None:
             site.stand(mesh, spot, 0.0, 0.9)
 
 
-def _rails(site: Site, way: Way, left: Array, right: Array) -> None:
+def _add_rails(site: Site, way: Way, left: Array, right: Array) -> None:
     """Add two rails: the left one faces right, the right one left."""
-    _rail(site, way, left, 1)
-    _rail(site, way, right, -1)
+    _add_rail(site, way, left, 1)
+    _add_rail(site, way, right, -1)
 
 
-def _rail(site: Site, way: Way, t: Array, side: int) -> None:
+def _add_rail(site: Site, way: Way, t: Array, side: int) -> None:
     """Add a steel rail whose face looks towards the road: to the right for `side` +1.
 
     It is interrupted where another road joins or leaves.

@@ -3,10 +3,12 @@
 from oodscen_pybullet._land.ways import Way
 from oodscen_pybullet._scenery import furniture
 from oodscen_pybullet._scenery.placing import Site
-from oodscen_pybullet._scenery.signals import displaced, limit_sign
+from oodscen_pybullet._scenery.signals import displace, limit_sign
 
 SIDES = (1, -1)
 """Left and right."""
+_ARM_M = 1.6
+"""Length of the arm of a street lamp, m."""
 
 
 def streets_of(site: Site) -> list[Way]:
@@ -18,8 +20,9 @@ def add_lamps(
     site: Site, way: Way, spacing: float, out: float, *, height: float, is_night: bool
 ) -> None:
     """Add street lamps along a road, on alternating sides."""
-    reach = 1.6
-    lit, dark = (furniture.street_lamp(reach, height, is_night=on) for on in (is_night, False))
+    lit, dark = (
+        furniture.street_lamp(_ARM_M, height, is_night=is_lit) for is_lit in (is_night, False)
+    )
     for side in SIDES:
         for index, spot in enumerate(site.spots(way, side, spacing)):
             if index % 2 == (side > 0) or site.is_spanned(spot, 0.0):
@@ -31,7 +34,7 @@ def add_lamps(
             is_dark = site.state is not None and site.state.is_dark(ahead)
             _, _, z = site.stand(dark if is_dark else lit, spot, 0.0, out)
             if not is_dark:
-                site.lamps.append((*spot.beside(0.0, out - reach), z + height))
+                site.lamps.append((*spot.beside(0.0, out - _ARM_M), z + height))
 
 
 def add_speed_signs(site: Site, way: Way, out: float, first: float) -> None:
@@ -44,5 +47,5 @@ def add_speed_signs(site: Site, way: Way, out: float, first: float) -> None:
     for spot in site.spots(way, -1, 210.0, first=first):
         x, y = spot.beside(0.0, out)
         if site.is_free(x, y, 0.4) and not site.is_spanned(spot):
-            shown, heading = displaced(mesh, (-spot.heading[0], -spot.heading[1]), fault)
-            site.stand(shown, spot, 0.0, out, heading)
+            sign, heading = displace(mesh, (-spot.heading[0], -spot.heading[1]), fault)
+            site.stand(sign, spot, 0.0, out, heading)

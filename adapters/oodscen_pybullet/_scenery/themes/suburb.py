@@ -16,7 +16,7 @@ def furnish_suburb(site: Site, is_night: bool) -> None:
     for way in streets:
         for side in SIDES:
             for spot in site.spots(way, side, 15.5, jitter=0.8, first=4.0):
-                _home(site, spot, is_night)
+                _add_home(site, spot, is_night)
     for way in streets:
         add_lamps(site, way, 26.0, -0.5, height=5.6, is_night=is_night)
         add_speed_signs(site, way, -0.4, 70.0)
@@ -31,7 +31,7 @@ def furnish_suburb(site: Site, is_night: bool) -> None:
     add_horizon(site, 62.0)
 
 
-def _home(site: Site, spot: RoadsidePlace, is_night: bool) -> None:
+def _add_home(site: Site, spot: RoadsidePlace, is_night: bool) -> None:
     """Add a house with its garden."""
     rng = site.rng
     setback = 5.0 + float(rng.uniform(0, 1.6)) + HOUSE[1] / 2
@@ -63,7 +63,7 @@ def _home(site: Site, spot: RoadsidePlace, is_night: bool) -> None:
     for _ in range(2):
         add_tree(site, spot, float(rng.uniform(-4.0, 3.5)), setback - 4.8, 3.5, "bush")
     if rng.uniform() < 0.5:
-        add_tree(site, spot, 3.0, setback + 8.5, 6.0, "tall" if rng.uniform() < 0.4 else "")
+        add_tree(site, spot, 3.0, setback + 8.5, 6.0, "tall" if rng.uniform() < 0.4 else "broad")
     if rng.uniform() < 0.3:
         x, y = spot.beside(-7.6, 6.0)
         if site.claim(x, y, spot.heading, 0.3, 4.0, margin=3.5):

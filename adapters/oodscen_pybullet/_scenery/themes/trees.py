@@ -1,17 +1,38 @@
 """Trees along roads, woods and the horizon."""
 
+from typing import Literal
+
 from oodscen_pybullet._land.ways import Way
 from oodscen_pybullet._scenery import greenery
 from oodscen_pybullet._scenery.placing import RoadsidePlace, Site
 from oodscen_pybullet._scenery.themes.streets import SIDES
 
+Tree = Literal["broad", "tall", "street", "conifer", "bush", "thicket"]
+"""Kinds of trees: broad-leaved ones, taller ones, and ones pruned as in streets; firs; and what is lower."""
+_RADII_M: dict[Tree, float] = {"bush": 0.5, "thicket": 7.0}
+"""Radius that a kind needs, m; others need `_RADIUS_M`."""
+_RADIUS_M = 0.9
+_WOOD: tuple[Tree, ...] = ("broad", "broad", "broad", "tall", "conifer", "conifer")
+"""The trees of a wood, all equally likely."""
+_FAR_OUT_M = 14.0
+"""Distance from the road above which trees have few triangles, and no bushes stand, m."""
+
 
 def add_tree(
-    site: Site, spot: RoadsidePlace, along: float, out: float, margin: float, kind: str = ""
+    site: Site, spot: RoadsidePlace, along: float, out: float, margin: float, kind: Tree = "broad"
 ) -> None:
-    """Add a tree if there is room for it."""
+    """Add a tree if there is room for it.
+
+    Args:
+        site: Receives the tree.
+        spot: The reference place.
+        along: Distance along the spot's heading, m.
+        out: Distance away from the road, m.
+        margin: Distance from asphalt, m.
+        kind: The kind of tree.
+    """
     key = int(site.rng.integers(0, 10))
-    is_far = out > 14.0 or site.is_far(spot)
+    is_far = out > _FAR_OUT_M or site.is_far(spot)
     if is_far and kind == "bush":
         return
     match kind:
@@ -24,7 +45,7 @@ def add_tree(
         case _:
             is_tall, is_pruned = kind == "tall", kind == "street"
             mesh = greenery.broad_tree(key, is_tall=is_tall, is_far=is_far, is_pruned=is_pruned)
-    radius = {"bush": 0.5, "thicket": 7.0}.get(kind, 0.9)
+    radius = _RADII_M.get(kind, _RADIUS_M)
     site.try_to_stand(mesh, spot, along, out, margin=margin, radius=radius)
 
 
@@ -35,8 +56,7 @@ def add_woods(site: Site, way: Way, reach: tuple[float, float]) -> None:
         for spot in site.spots(way, side, 15.0, jitter=6.0):
             share = float(site.rng.uniform())
             out = near + (far - near) * share * share
-            key = int(site.rng.integers(0, 6))
-            kind = "conifer" if key >= 4 else "tall" if key == 3 else ""
+            kind = _WOOD[int(site.rng.integers(0, len(_WOOD)))]
             if site.is_spanned(spot, 2.0):
                 continue
             add_tree(site, spot, 0.0, out, near - 0.5, kind)

@@ -22,7 +22,7 @@ def test_the_net_does_not_tear() -> None:
     assert (pieces > 0.0).all()
     whole = np.bincount(owners, pieces)
     assert np.allclose(whole, (net.sizes * 0.75) ** 2)
-    local = net.local(points[rows], owners)
+    local = net.texture_coordinates(points[rows], owners)
     assert (local > -1e-9).all()
     assert (local < 1.0 + 1e-9).all()
     sides = np.sort(np.stack([rows, np.roll(rows, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)

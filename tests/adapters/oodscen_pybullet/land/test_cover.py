@@ -1,7 +1,7 @@
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from oodscen_pybullet._land.cover import REACH, Cover, strips
+from oodscen_pybullet._land.cover import REACH, Cover, band_triangles
 
 numbers = st.floats(-12.0, 12.0).map(lambda x: round(x, 2))
 corners = st.lists(st.tuples(*[numbers] * 6), min_size=1, max_size=8).map(
@@ -41,7 +41,9 @@ def test_distances_are_those_of_the_nearest_triangle(triangles: np.ndarray, at: 
 @given(points)
 def test_points_are_on_a_band_exactly_between_its_edges(at: np.ndarray) -> None:
     s = np.linspace(-20.0, 20.0, 9)
-    band = strips([(np.stack([s, 0.0 * s - 2.0], axis=1), np.stack([s, 0.0 * s + 3.0], axis=1))])
+    band = band_triangles(
+        [(np.stack([s, 0.0 * s - 2.0], axis=1), np.stack([s, 0.0 * s + 3.0], axis=1))]
+    )
     found = Cover(band).distance(at[:, 0], at[:, 1])
     outside = np.maximum(-2.0 - at[:, 1], at[:, 1] - 3.0)
     assert ((found > 0.0) == (outside > 0.0)).all()

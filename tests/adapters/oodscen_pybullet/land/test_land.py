@@ -147,7 +147,7 @@ ROUNDABOUT = next(road for road in SHIPPED_MAPS if road.id == "roundabout")
 def test_an_island_is_turf_within_a_paved_rim():
     road = next(road for road in SHIPPED_MAPS if road.id == "roundabout")
     island = Probe(load_corridor(road), "urban")
-    ((x, y, radius),) = island.terrain.islands.middles
+    ((x, y, radius),) = island.terrain.islands.circles
     for turn in np.arange(0.0, math.tau, 0.5):
         away = np.arange(OFF, radius, 0.4)
         xs, ys = x + away * math.cos(turn), y + away * math.sin(turn)

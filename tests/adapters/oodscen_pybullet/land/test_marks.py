@@ -41,7 +41,7 @@ def lane(mark: str, changes=(), *, direction: int = 1, right_mark: str = "none")
 
 def way_of(corridor: Corridor) -> Way:
     course = RoadCourse.between(corridor, 0.0, LENGTH_M)
-    return Way.of(corridor, course, is_ego=True, is_connecting=False, name="ego")
+    return Way.of(corridor, course, is_ego=True, is_connecting=False)
 
 
 def area(points) -> PaintedArea:

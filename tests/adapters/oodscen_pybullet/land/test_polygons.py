@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from oodscen_pybullet._land.polygons import is_convex, rectangle_around, without_straight_corners
+from oodscen_pybullet._land.polygons import (
+    convex_hull,
+    is_convex,
+    rectangle_around,
+    without_straight_corners,
+)
 
 ANGLES = st.floats(0.0, 6.2)
 
@@ -117,3 +122,19 @@ def test_only_a_star_that_goes_round_once_is_convex(rounds, more, angle):
 
 def test_the_rectangle_around_a_point_is_that_point():
     assert (rectangle_around(np.array([(2.0, 3.0)] * 3)) == (2.0, 3.0)).all()
+
+
+@given(st.lists(st.tuples(st.integers(-3, 3), st.integers(-3, 3)), min_size=1, max_size=12))
+def test_the_hull_of_points_is_convex_and_holds_them(points):
+    corners = convex_hull(np.array([(x, y, 0.0) for x, y in points]))
+    if len(corners) < 3:
+        return
+    assert is_convex(corners[:, :2])
+    assert {(x, y) for x, y, _ in corners.tolist()} <= set(points)
+    for (ax, ay, _), (bx, by, _) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        assert all((bx - ax) * (y - ay) - (by - ay) * (x - ax) >= 0.0 for x, y in points)
+
+
+def test_points_on_a_line_have_no_hull():
+    line = np.array([(float(k), 2.0 * k, 0.0) for k in range(4)])
+    assert len(convex_hull(line)) == 2

@@ -21,7 +21,7 @@ def footpath(right: float, left: float) -> Corridor:
 
 def way_of(corridor: Corridor) -> Way:
     course = RoadCourse.of(corridor)
-    return Way.of(corridor, course, is_ego=True, is_connecting=False, name="ego")
+    return Way.of(corridor, course, is_ego=True, is_connecting=False)
 
 
 @pytest.mark.parametrize(("right", "left"), [(4.0, 7.0), (-7.0, -4.0)])

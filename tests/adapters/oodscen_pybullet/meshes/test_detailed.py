@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from oodscen_pybullet._catalogue import load_catalogue
-from oodscen_pybullet._meshes import asset_mesh, learned
+from oodscen_pybullet._meshes import asset_mesh, register_design
 from oodscen_pybullet._meshes.atlas import swatch_uv
 
 from oodscen.data._details import Details
@@ -115,6 +115,6 @@ def test_things_made_to_order_can_be_held():
             "parts": [{"box": [0, 0, 0.5], "size": [0.1, 1.6, 1], "colour": "white"}],
         }
     )
-    details = Details(pose="carry").model_copy(update={"holds": learned(board)})
+    details = Details(pose="carry").model_copy(update={"holds": register_design(board)})
     mesh = asset_mesh("adult", details=details)
     assert mesh.bounds[1][1] == pytest.approx(0.8, abs=0.02)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from oodscen_pybullet._catalogue import load_catalogue
-from oodscen_pybullet._meshes import asset_mesh, learned
+from oodscen_pybullet._meshes import asset_mesh, register_design
 from oodscen_pybullet._meshes.atlas import draw_atlas
 from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._rendering.triangles import SHINING, Triangles
@@ -19,7 +19,7 @@ SIZES = sizes_of(load_catalogue().assets)
 
 def mesh_of(prop: Prop, state: str = "") -> Mesh:
     """Return the mesh of a design."""
-    return asset_mesh(learned(prop), state)
+    return asset_mesh(register_design(prop), state)
 
 
 @settings(max_examples=60)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._meshes.mesh import Puff
-from oodscen_pybullet._rendering.particles import add_puffs, filled
+from oodscen_pybullet._rendering.particles import add_puffs, covered_pixels
 from oodscen_pybullet._rendering.stage import PlacedPuff, RawPicture
 from oodscen_pybullet._rendering.view import CameraView
 
@@ -68,6 +68,6 @@ def test_fog_takes_smoke_as_it_takes_everything() -> None:
 
 
 def test_what_a_body_would_fill_alone() -> None:
-    area = filled(VIEW, [at_20_m(smoke(), 2)])
+    area = covered_pixels(VIEW, [at_20_m(smoke(), 2)])
     assert 0 < area.sum() == pytest.approx(blend(smoke(), 40.0)[1].__eq__(3).sum(), abs=30)
-    assert not filled(VIEW, []).any()
+    assert not covered_pixels(VIEW, []).any()

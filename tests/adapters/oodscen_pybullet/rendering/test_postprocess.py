@@ -12,7 +12,7 @@ from oodscen_pybullet._lighting.shelter import Portal
 from oodscen_pybullet._meshes.mesh import Lamp
 from oodscen_pybullet._rendering import picture
 from oodscen_pybullet._rendering.optics import fade, grain
-from oodscen_pybullet._rendering.picture import postprocessed
+from oodscen_pybullet._rendering.picture import develop
 from oodscen_pybullet._rendering.stage import RawPicture, Shot
 from oodscen_pybullet._rendering.triangles import GROUND, PLAIN, SHELTERED, SHINING, SOFT
 from oodscen_pybullet._rendering.view import CameraView
@@ -34,7 +34,7 @@ def shot(depth: float, *, kind: int = 0, colour: int = 0) -> Shot:
 def show(raw: Shot, *lamps: Lamp, **weather: object) -> np.ndarray:
     conditions = Weather.model_validate(weather)
     light = Light.of(conditions, 0.0, reflects_snow=False)
-    return postprocessed(
+    return develop(
         RawPicture(raw, VIEW, conditions, light, lamps, time=0.5, seed=1, road_height=0.0)
     )
 
@@ -44,8 +44,8 @@ def test_any_number_of_threads_gives_the_same_picture(threads: int) -> None:
     night = Weather(sun_elevation_deg=-8.0, fog_visual_range_m=80.0)
     light = Light.of(night, 0.0, reflects_snow=False)
     raw = RawPicture(shot(12.0, colour=90), VIEW, night, light, (), 0.5, 1, road_height=-1.4)
-    assert np.ptp(one := postprocessed(raw)) > 0
-    assert np.array_equal(one, postprocessed(replace(raw, threads=threads)))
+    assert np.ptp(one := develop(raw)) > 0
+    assert np.array_equal(one, develop(replace(raw, threads=threads)))
 
 
 @given(st.floats(0, 12))
@@ -120,7 +120,7 @@ def test_tunnels_are_lit_by_their_own_lamps_and_hazy_only_outside() -> None:
         conditions = Weather.model_validate(weather)
         light = Light.of(conditions, 0.0, reflects_snow=False)
         one = RawPicture(raw, VIEW, conditions, light, (), 0.5, 1, road_height=0.0, portal=portal)
-        return float(postprocessed(one)[40:, :38].mean())
+        return float(develop(one)[40:, :38].mean())
 
     day, night = inside(), inside(sun_elevation_deg=-30.0)
     assert night > 0.6 * day

@@ -9,7 +9,7 @@ from oodscen_pybullet._meshes.tags import Tag
 from oodscen_pybullet._rendering.triangles import Triangles
 from oodscen_pybullet._scenery.furniture import LIMITS, speed_sign
 from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
-from oodscen_pybullet._scenery.signals import limit_of, replaced
+from oodscen_pybullet._scenery.signals import limit_of, replaced_signals
 from oodscen_pybullet._scenery.structures import CEILING_M
 
 from oodscen.data._catalogue import RoadMap
@@ -129,10 +129,10 @@ def _is_on_edge(road: Corridor, x: float, y: float) -> bool:
 def test_a_scenes_own_signal_stands_in_for_the_maps() -> None:
     corridor, _ = built(next(road for road in SHIPPED_MAPS if road.id == "urban_junction"))
     first, *others = corridor.signals
-    near = replaced(corridor, [(first.x + 2.0, first.y)])
+    near = replaced_signals(corridor, [(first.x + 2.0, first.y)])
     assert first.id in near
     assert near != {signal.id for signal in corridor.signals}
-    assert replaced(corridor, [(first.x + 300.0, first.y)]) == frozenset()
+    assert replaced_signals(corridor, [(first.x + 300.0, first.y)]) == frozenset()
     assert others
 
 
@@ -150,8 +150,8 @@ def test_traffic_lights_are_green_for_the_ego_and_red_for_who_crosses() -> None:
         for lamp in lamps:
             cosine = abs(float((np.array(lamp.facing[:2]) * along).sum()))
             assert (cosine > 0.7) == is_along
-    without = frozenset(signal.id for signal in corridor.signals)
-    bare = build_scenery(corridor, road, 0, without=without)
+    omitted = frozenset(signal.id for signal in corridor.signals)
+    bare = build_scenery(corridor, road, 0, omitted=omitted)
     assert all(lamp.is_street for lamp in bare.lamps)
 
 
@@ -180,11 +180,11 @@ def test_a_roundabouts_middle_is_an_island() -> None:
     road = next(road for road in SHIPPED_MAPS if road.id == "roundabout")
     _, scenery = built(road)
     islands = scenery.terrain.islands
-    assert len(islands.middles) == 1
-    x, y, radius = islands.middles[0]
+    assert len(islands.circles) == 1
+    x, y, radius = islands.circles[0]
     assert radius > 5.0
     assert islands.covers(np.array([[x, y]])).all()
-    assert not built(SHIPPED_MAPS[0])[1].terrain.islands.middles
+    assert not built(SHIPPED_MAPS[0])[1].terrain.islands.circles
 
 
 @pytest.mark.parametrize(

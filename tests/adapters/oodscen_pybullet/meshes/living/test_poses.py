@@ -1,6 +1,4 @@
-"""People in poses: limbs keep their length, bodies stand on the ground and fill their box."""
-
-import math
+"""People in poses stand on the ground and fill their box."""
 
 import numpy as np
 import pytest
@@ -8,17 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from oodscen_pybullet._catalogue import load_catalogue
 from oodscen_pybullet._meshes import asset_mesh
-from oodscen_pybullet._meshes.living.poses import (
-    FOREARM,
-    SHIN,
-    THIGH,
-    UPPER_ARM,
-    KeyFrame,
-    Pose,
-    arm,
-    leg,
-    load_poses,
-)
+from oodscen_pybullet._meshes.living.poses import KeyFrame, Pose, load_poses
 from oodscen_pybullet._meshes.look import BEATS, beating
 from pydantic import ValidationError
 
@@ -27,34 +15,6 @@ from oodscen.data._details import Details
 CATALOGUE = load_catalogue()
 PEOPLE = [one for one in CATALOGUE.assets if one.offers and one.offers.poses]
 CASES = [(person, pose) for person in PEOPLE for pose in person.offers.poses]
-
-
-def angle(low, high):
-    return st.floats(low, high, allow_nan=False)
-
-
-@given(
-    st.tuples(angle(-60, 185), angle(-40, 110), angle(0, 150), angle(-95, 95)),
-    st.tuples(angle(-30, 140), angle(-10, 60), angle(0, 155), angle(-40, 85)),
-    st.sampled_from([-1.0, 1.0]),
-)
-def test_limbs_keep_their_length_and_bend_by_their_angle(arm_angles, leg_angles, side):
-    for chain, one, two, bend in (
-        (arm(arm_angles, side, (0.0, side * 0.2, 1.4)), UPPER_ARM, FOREARM, arm_angles[2]),
-        (leg(leg_angles, side, (0.0, side * 0.1, 0.9), 0.0), THIGH, SHIN, leg_angles[2]),
-    ):
-        assert math.dist(chain.start, chain.middle) == pytest.approx(one)
-        assert math.dist(chain.middle, chain.end) == pytest.approx(two)
-        reach = math.sqrt(one**2 + two**2 + 2 * one * two * math.cos(math.radians(bend)))
-        assert math.dist(chain.start, chain.end) == pytest.approx(reach, abs=1e-6)
-        assert math.hypot(*chain.way) == pytest.approx(1.0)
-
-
-@given(st.tuples(angle(-60, 185), angle(-40, 110), angle(0, 150), angle(-95, 95)))
-def test_the_right_arm_is_the_mirror_image_of_the_left(angles):
-    left, right = arm(angles, 1.0, (0.0, 0.2, 1.4)), arm(angles, -1.0, (0.0, -0.2, 1.4))
-    for one, two in zip(left, right, strict=True):
-        assert (one[0], -one[1], one[2]) == pytest.approx(two)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,67 @@
+"""Raised medians on a straight road along x, in six pieces of 3 m."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from oodscen_pybullet._land.course import RoadCourse
+from oodscen_pybullet._land.kerbs import Band, kerb_medians, raise_pavement
+from oodscen_pybullet._land.ribbons import Ribbons
+from oodscen_pybullet._meshes.atlas import swatch_uv
+
+PIECES = 6
+PLACES = st.lists(st.booleans(), min_size=PIECES, max_size=PIECES)
+
+
+def ribbons() -> Ribbons:
+    s = 3.0 * np.arange(PIECES + 1)
+    return Ribbons(RoadCourse(s=s, x=s, y=0.0 * s, z=0.0 * s, cos=0.0 * s + 1.0, sin=0.0 * s))
+
+
+def band(right: float, left: float, where: list[bool]) -> Band:
+    return Band(np.full(PIECES + 1, right), np.full(PIECES + 1, left), np.array(where))
+
+
+def faces(laid: Ribbons, colour: str) -> np.ndarray:
+    """Return the corners of the triangles of a colour, [n, 3, 3]."""
+    mesh = laid.mesh()
+    corners = mesh.triangles[(mesh.uvs[mesh.triangles[:, 0]] == swatch_uv(colour)).all(axis=1)]
+    return mesh.vertices[corners]
+
+
+@given(PLACES)
+def test_a_median_has_a_closed_end_wherever_it_begins_or_ends(where: list[bool]) -> None:
+    laid = ribbons()
+    kerb_medians(laid, [band(-1.0, 1.0, where)])
+    sides = faces(laid, "kerb_side")
+    ends = sides[np.ptp(sides[:, :, 0], axis=1) < 1e-9]
+    changes = np.flatnonzero(np.diff([False, *where, False]))
+    assert sorted(ends[::2, 0, 0].tolist()) == [3.0 * change for change in changes]
+    turns = np.cross(ends[:, 1] - ends[:, 0], ends[:, 2] - ends[:, 0])[::2, 0]
+    begins = np.isin(ends[::2, 0, 0], 3.0 * changes[::2])
+    assert ((turns < 0.0) == begins).all()
+
+
+def test_two_medians_that_touch_have_no_kerb_between_them() -> None:
+    laid = ribbons()
+    everywhere = [True] * PIECES
+    kerb_medians(laid, [band(-1.0, 0.0, everywhere), band(0.0, 1.0, everywhere)])
+    edges = np.abs(faces(laid, "kerb")[:, :, 1])
+    assert edges.min() == pytest.approx(1.0 - 0.16)
+
+
+def test_no_medians_have_no_kerbs() -> None:
+    laid = ribbons()
+    kerb_medians(laid, [])
+    assert len(laid.mesh().triangles) == 0
+
+
+@given(st.floats(0.0, 1.0))
+def test_the_kerbs_of_a_narrow_pavement_do_not_overlap(width: float) -> None:
+    laid = ribbons()
+    raise_pavement(laid, band(2.0, 2.0 + width, [True] * PIECES))
+    kerbs = faces(laid, "kerb")
+    a, b = kerbs[:, 1] - kerbs[:, 0], kerbs[:, 2] - kerbs[:, 0]
+    area = 0.5 * np.cross(a, b)[:, 2]
+    assert (area > 0.0).all()
+    assert area.sum() == pytest.approx(18.0 * min(width, 2 * 0.16), abs=1e-4)
