@@ -134,7 +134,10 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
         say(line, err=True)
     if grades is not None:
         sys.exit(exit_code(grades))
-    chosen = {ledger.kept[vlm][0] if vlm in ledger.kept else vlm for vlm in evaluation.vlms}
+    chosen = {
+        ledger.kept_verdicts[vlm][0] if vlm in ledger.kept_verdicts else vlm
+        for vlm in evaluation.vlms
+    }
     chosen |= {*map(named_without_pictures, chosen)}
     again = known if evaluation.retry_failed and not evaluation.vlms else chosen
     verdicts = study.verdicts

@@ -161,7 +161,7 @@ def kept_verdicts(vlms: Iterable[str], ledger: "Ledger", asked_at: Mapping[str, 
     """
     lines = []
     for vlm in dict.fromkeys(vlms):
-        name, count = ledger.kept.get(vlm, ("", 0))
+        name, count = ledger.kept_verdicts.get(vlm, ("", 0))
         if count:
             when = asked_at.get(name, "").replace("T", " ").replace("+00:00", " UTC")
             lines.append(

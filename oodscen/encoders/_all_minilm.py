@@ -11,5 +11,5 @@ def all_minilm() -> MiniLM:
 
     The two differ by about 1e-6; the encoder's `name` says which one it is.
     """
-    parts = ("onnxruntime", "onnx", "tokenizers")
-    return OnnxMiniLM() if all(find_spec(part) for part in parts) else MiniLM()
+    has_onnx = all(find_spec(package) for package in ("onnxruntime", "onnx", "tokenizers"))
+    return OnnxMiniLM() if has_onnx else MiniLM()

@@ -42,11 +42,11 @@ def cache_folder() -> Path:
     try:
         return Path.home() / ".cache" / "oodscen"
     except RuntimeError:
-        return _passing_folder()
+        return _temporary_cache()
 
 
 @cache
-def _passing_folder() -> Path:
+def _temporary_cache() -> Path:
     folder = temporary_folder()
     atexit.register(folder.cleanup)
     return Path(folder.name)
@@ -97,8 +97,9 @@ class CachedEncoder(Brief):
         """The file that holds this encoder's vectors; `None` without a folder."""
         if self._folder is None:
             return None
-        plain = re.sub(r"[^A-Za-z0-9.@-]+", "-", self.name)[:80]
-        return self._folder / f"{plain}.{hashlib.sha256(self.name.encode()).hexdigest()[:8]}.npz"
+        readable = re.sub(r"[^A-Za-z0-9.@-]+", "-", self.name)[:80]
+        digest = hashlib.sha256(self.name.encode()).hexdigest()
+        return self._folder / f"{readable}.{digest[:8]}.npz"
 
     def encode(self, texts: Sequence[str]) -> NDArray[np.float32]:
         """Return one row per text, in order: [n, d] float32. Thread-safe.
@@ -106,25 +107,26 @@ class CachedEncoder(Brief):
         Raises:
             EncoderError: If the wrapped encoder fails or breaks its contract.
         """
+        if not texts:
+            return np.zeros((0, self.dimension), np.float32)
         keys = [hashlib.sha256(text.encode("utf-8", "surrogatepass")).digest() for text in texts]
         with self._lock:
             if not self._is_loaded and self.path is not None:
                 self._vectors = _read(self.path, self._encoder)
                 self._is_loaded = True
-            missing = {
-                key: text for key, text in zip(keys, texts, strict=True) if key not in self._vectors
-            }
-            if missing:
-                rows = encode(self._encoder, list(missing.values()))
-                self._vectors.update(zip(missing, rows, strict=True))
-                self._unsaved += len(missing)
-                # Saving rewrites the whole file; waiting until it grew by a twentieth keeps the
-                # total cost linear.
-                if self._unsaved * 20 >= len(self._vectors):
-                    self.save()
-            if not keys:
-                return np.zeros((0, self.dimension), np.float32)
+            self._encode_missing(dict(zip(keys, texts, strict=True)))
             return np.stack([self._vectors[key] for key in keys])
+
+    def _encode_missing(self, texts: dict[bytes, str]) -> None:
+        missing = {key: text for key, text in texts.items() if key not in self._vectors}
+        if not missing:
+            return
+        rows = encode(self._encoder, list(missing.values()))
+        self._vectors.update(zip(missing, rows, strict=True))
+        self._unsaved += len(missing)
+        # Saving rewrites the whole file; waiting until it grew by a twentieth keeps the total cost linear.
+        if self._unsaved * 20 >= len(self._vectors):
+            self.save()
 
     def save(self) -> None:
         """Write the unsaved vectors to disk."""

@@ -14,6 +14,7 @@ from oodscen.encoders._check import encode
 from oodscen.protocols import Encoder
 
 Vector = NDArray[np.float64]
+"""One vector [d], or several as rows [n, d], in double precision."""
 
 
 def unit_rows(encoder: Encoder, texts: Iterable[str]) -> Vector:
@@ -39,5 +40,5 @@ def label_rows(encoder: Encoder, labels: Sequence[str]) -> tuple[Vector, Vector]
     Raises:
         EncoderError: If the encoder fails.
     """
-    rows = unit_rows(encoder, [*labels, *(item.name for item in ATTESTED)])
+    rows = unit_rows(encoder, [*labels, *(kind.name for kind in ATTESTED)])
     return rows[: len(labels)], rows.mean(axis=0)

@@ -7,11 +7,9 @@ from numpy.typing import NDArray
 
 from oodscen._members import conforming, working
 from oodscen._numbers import whole_number
+from oodscen.encoders._similarity import Vectors, unit
 from oodscen.errors import EncoderError, UsageError
 from oodscen.protocols import Encoder
-
-_LEAST_LENGTH = np.float32(1e-12)
-"""Least length by which a row is divided: rows of zeros stay so."""
 
 
 def encode(encoder: Encoder, texts: Sequence[str]) -> NDArray[np.float32]:
@@ -24,10 +22,10 @@ def encode(encoder: Encoder, texts: Sequence[str]) -> NDArray[np.float32]:
         UsageError: If `encoder` is not an encoder.
         EncoderError: If it fails or breaks its contract.
     """
-    given = list(texts)
+    count = len(texts)
     with working("encoder", conforming("encoder", encoder).name):
-        found = encoder.encode(given.copy())  # The encoder may change the list that it is given.
-        return check_embeddings(found, len(given), encoder)
+        vectors = encoder.encode(list(texts))  # The encoder may change the list that it is given.
+        return check_embeddings(vectors, count, encoder)
 
 
 def dimension(encoder: Encoder) -> int:
@@ -37,19 +35,16 @@ def dimension(encoder: Encoder) -> int:
         EncoderError: If it is no whole number above 0, or cannot be told.
     """
     with working("encoder", encoder.name):
-        told = encoder.dimension
+        value = encoder.dimension
     try:
-        return whole_number(f"the dimension of the encoder {encoder.name!r}", told, 1)
+        return whole_number(f"the dimension of the encoder {encoder.name!r}", value, 1)
     except UsageError as error:
         raise EncoderError(str(error)) from None
 
 
-def unit_embeddings(encoder: Encoder, texts: Sequence[str]) -> NDArray[np.float32]:
+def unit_embeddings(encoder: Encoder, texts: Sequence[str]) -> Vectors:
     """Return the checked embeddings of texts, scaled to unit length; a zero row stays zero."""
-    vectors = encode(encoder, texts)
-    norms = np.sqrt((vectors * vectors).sum(axis=1, keepdims=True))
-    unit: NDArray[np.float32] = vectors / np.maximum(norms, _LEAST_LENGTH)
-    return unit
+    return unit(encode(encoder, texts))
 
 
 def check_embeddings(vectors: object, n: int, encoder: Encoder) -> NDArray[np.float32]:

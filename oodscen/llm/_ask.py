@@ -63,24 +63,24 @@ def ask(
     whole_number("sample", sample, 0, MAX_SEED)
     whole_number("attempts", attempts, 1)
     checks: list[Check[Answer]] = [prompt.check, *([check] if check else [])]
-    kind = cast(type[Answer], prompt.answer)
+    answer_type = cast(type[Answer], prompt.answer)
     question = messages = prompt.messages()
     schema = prompt.answer_schema()
     issues: list[Issue] = []
     raw = ""
     for attempt in range(1, attempts + 1):
         completion = complete(llm, Request(prompt, messages, schema, sample, attempt))
-        raw = heard(completion.text)
+        raw = clean_answer(completion.text)
         issues = incompleteness(raw, is_cut_off=completion.is_cut_off, instead=completion.instead)
         if not issues:
-            answer, issues = read(raw) if read else read_answer(raw, kind, checks)
+            answer, issues = read(raw) if read else read_answer(raw, answer_type, checks)
             if answer is not None:
                 return answer
         messages = (*question, *repair(raw, issues))
     raise AnswerError(llm.name, prompt.purpose, issues, raw, attempts)
 
 
-def heard(text: str) -> str:
+def clean_answer(text: str) -> str:
     """Return a model's text as it is read: whole characters, and no credentials."""
     return redact_keys(whole(text))
 
@@ -93,8 +93,12 @@ def incompleteness(raw: str, *, is_cut_off: bool, instead: str | None = None) ->
         is_cut_off: As for `Completion`.
         instead: As for `Completion`.
     """
-    issues = [] if raw.strip() else [ONLY.get(instead or "", EMPTY)]
-    return [*issues, CUT_OFF] if is_cut_off and not is_object(raw.encode()) else issues
+    issues = []
+    if not raw.strip():
+        issues.append(ONLY.get(instead or "", EMPTY))
+    if is_cut_off and not is_object(raw.encode()):
+        issues.append(CUT_OFF)
+    return issues
 
 
 def speaker(llm: LLM) -> str:
@@ -108,9 +112,9 @@ def repair(raw: str, issues: Sequence[Issue]) -> tuple[Message, Message]:
     faults = "\n".join(f"- {issue}" for issue in issues[:SHOWN_ISSUES])
     rest = len(issues) - SHOWN_ISSUES
     more = f"\n- and {rest} more" if rest > 0 else ""
-    said = raw if len(raw) <= QUOTED else f"{raw[:QUOTED]} ..."
+    quoted = raw if len(raw) <= QUOTED else f"{raw[:QUOTED]} ..."
     return (
-        Message(role="assistant", text=said.strip() or "(nothing)"),
+        Message(role="assistant", text=quoted.strip() or "(nothing)"),
         Message(
             role="user",
             text=f"That answer cannot be used:\n{faults}{more}\n\nMend these faults and answer "

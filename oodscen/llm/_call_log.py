@@ -68,7 +68,7 @@ class LoggedLLM(WrappingLLM):
 
     def complete(self, request: Request) -> Completion:
         """Pass the request on and report the call."""
-        asked, started = datetime.now(UTC), time.perf_counter()
+        asked_at, started = datetime.now(UTC), time.perf_counter()
         completion: Completion | None = None
         failure: BaseException | None = None
         try:
@@ -77,21 +77,22 @@ class LoggedLLM(WrappingLLM):
             failure = error
             raise
         finally:
-            call = self._account(request, completion, failure, time.perf_counter() - started)
-            call = call.model_copy(update={"time": asked.isoformat(timespec="seconds")})
+            seconds = time.perf_counter() - started
+            call = self._call(request, completion, failure, asked_at, seconds)
             with self._lock, of_the_caller():
                 self._log(call)
         return completion
 
-    def _account(
+    def _call(
         self,
         request: Request,
         completion: Completion | None,
         failure: BaseException | None,
+        asked_at: datetime,
         seconds: float,
     ) -> Call:
         usage = plausible_usage(completion.usage, request) if completion else Usage()
-        status, fault = _ending(failure)
+        status, fault = _status(failure)
         return Call(
             purpose=request.prompt.purpose,
             prompt_version=request.prompt.version(),
@@ -107,11 +108,12 @@ class LoggedLLM(WrappingLLM):
             cost_usd=usage.cost_usd,
             requests=max(0, completion.requests) if completion else getattr(failure, "requests", 0),
             seconds=round(seconds, 6),
+            time=asked_at.isoformat(timespec="seconds"),
         )
 
 
-def _ending(failure: BaseException | None) -> tuple[Status, str | None]:
-    """Return the status of a call that ended with this, and the words for it."""
+def _status(failure: BaseException | None) -> tuple[Status, str | None]:
+    """Return the status of a call that ended with a failure or none, and the words for it."""
     if failure is None:
         return "ok", None
     if not isinstance(failure, Exception) or type(failure) is RunStopped:

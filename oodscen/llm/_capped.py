@@ -7,7 +7,7 @@ from oodscen.llm._remote.budget import Price, Spent, check_price
 from oodscen.llm._remote.limits import Limits
 from oodscen.llm._remote.usage import estimate_tokens, plausible_usage
 from oodscen.llm._wrapper import WrappingLLM
-from oodscen.protocols import LLM, Completion, Request
+from oodscen.protocols import LLM, Completion, Request, Usage
 
 
 class CappedLLM(WrappingLLM):
@@ -16,19 +16,19 @@ class CappedLLM(WrappingLLM):
     Args:
         llm: The wrapped model.
         limits: The caps, and the limit on concurrent calls.
-        called: The name by which the run knows the model, e.g. `module:attr`; a price may be given for it too.
+        label: The name by which the run knows the model, e.g. `module:attr`; a price may be given for it too.
 
     Raises:
         UsageError: When the cost is capped, and no price is given for the model, or the one that it states is
             malformed.
     """
 
-    def __init__(self, llm: LLM, limits: Limits, called: str = "") -> None:
+    def __init__(self, llm: LLM, limits: Limits, label: str = "") -> None:
         super().__init__(llm)
         self.limits = limits
-        self._price = limits.prices.get(llm.name) or limits.prices.get(called)
+        self._price = limits.prices.get(llm.name) or limits.prices.get(label)
         if self._price is None:
-            self._price = _own_price(llm, is_needed=limits.budget.caps.cost_usd is not None)
+            self._price = _stated_price(llm, is_needed=limits.budget.caps.cost_usd is not None)
         self._endpoint = limits.endpoint(f"model {llm.name}")
 
     def complete(self, request: Request) -> Completion:
@@ -38,30 +38,32 @@ class CappedLLM(WrappingLLM):
             BudgetExceeded: When they do not.
         """
         budget = self.limits.budget
-        asked = estimate_tokens(request)
-        most = Spent(1, asked + budget.answer_tokens, self._cost(asked, budget.answer_tokens))
+        most = self._spent(
+            Usage(input_tokens=estimate_tokens(request), output_tokens=budget.answer_tokens)
+        )
         self.limits.check()
         with self._endpoint.slot():
             budget.reserve(most)
-            used, answered = most, 0
-            requests = 1
+            used, answer_tokens = most, 0
             try:
                 completion = complete(self._llm, request)
-                requests = max(1, completion.requests)
                 usage = plausible_usage(completion.usage, request)
                 if usage.input_tokens + usage.output_tokens:
-                    answered = usage.output_tokens
-                    cost = usage.cost_usd or self._cost(usage.input_tokens, answered)
-                    used = Spent(1, usage.input_tokens + answered, cost)
+                    used, answer_tokens = self._spent(usage), usage.output_tokens
+                used = used._replace(requests=max(1, completion.requests))
                 return completion.model_copy(update={"usage": usage})
             finally:
-                budget.settle(most, used._replace(requests=requests), answered)
+                budget.settle(most, used, answer_tokens)
 
-    def _cost(self, asked: int, answered: int) -> float:
-        return self._price.of(asked, answered) if self._price else 0.0
+    def _spent(self, usage: Usage) -> Spent:
+        """Return what one request uses; a reported cost of 0 does not count where a price is known."""
+        cost = usage.cost_usd
+        if not cost and self._price is not None:
+            cost = self._price.of(usage.input_tokens, usage.output_tokens)
+        return Spent(1, usage.input_tokens + usage.output_tokens, cost or 0.0)
 
 
-def _own_price(llm: LLM, *, is_needed: bool) -> Price | None:
+def _stated_price(llm: LLM, *, is_needed: bool) -> Price | None:
     """Return the price that a model states, which may be anything; without one, a capped cost is refused."""
     stated, name = optional(llm, "price", None), llm.name
     fault = f"the price of {name!r} is not known"

@@ -18,7 +18,8 @@ def complete(llm: LLM, request: Request) -> Completion:
     if not isinstance(completion, Completion):
         fault = f"{name} must return a Completion; its answer is {described(completion)}"
         raise LLMError(fault, model=name)
-    if not isinstance(completion.text, str):  # Its own constructor would refuse it.
+    # The constructor refuses it, but `model_construct` and `model_copy` do not.
+    if not isinstance(completion.text, str):
         fault = f"{name} returned a Completion whose text is {described(completion.text)}"
         raise LLMError(fault, model=name)
     return completion

@@ -23,9 +23,9 @@ class CircuitBreakerLLM(WrappingLLM):
         try:
             return self._llm.complete(request)
         except EndpointDown as error:
-            said = f"{error.endpoint} is given up: {error.reason}"
+            message = f"{error.endpoint} is given up: {error.reason}"
             if error.requests:
                 raise LLMError(
-                    said, model=self.name, retryable=True, requests=error.requests
+                    message, model=self.name, retryable=True, requests=error.requests
                 ) from error
-            raise ModelSkipped(said, model=self.name) from error
+            raise ModelSkipped(message, model=self.name) from error

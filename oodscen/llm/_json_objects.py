@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 import json_repair
@@ -13,11 +13,11 @@ from oodscen._text import clean_surrogates, whole
 class Members(dict[str, Any]):
     """An object with repeated members of different values; it holds the later ones."""
 
-    repeated: frozenset[str] = frozenset()
-    """Names of the repeated members."""
+    repeated: tuple[str, ...] = ()
+    """Names of the repeated members, in order."""
 
 
-class Found(NamedTuple):
+class JsonObject(NamedTuple):
     """One JSON object in a text."""
 
     value: dict[str, Any]
@@ -32,12 +32,12 @@ class Found(NamedTuple):
     has_comments: bool = False
 
     @property
-    def repeated(self) -> frozenset[str]:
-        """Names of the members, in it or in what it holds, that repeat with different values."""
-        return frozenset(_repeated(self.value))
+    def repeated(self) -> tuple[str, ...]:
+        """Names of the members, in it or in what it holds, that repeat with different values, in order."""
+        return tuple(dict.fromkeys(_repeated_members(self.value)))
 
 
-def find_objects(text: str) -> list[tuple[Found, ...]]:
+def find_objects(text: str) -> list[tuple[JsonObject, ...]]:
     """Return the JSON objects in a text from the first to the last, each followed by the one that it wraps.
 
     Objects may stand in a code fence, in prose, inside one wrapping key or a JSON string. Small faults are
@@ -48,25 +48,32 @@ def find_objects(text: str) -> list[tuple[Found, ...]]:
     text = clean_surrogates(text)
     quoted = _strict(text)
     if isinstance(quoted, str):
-        return [(Found(one.value, 0, is_altered=one.is_altered),) for one in scan(quoted)[0]]
-    closed, broken_off = scan(text)
-    if broken_off is not None and (ended := _ended(text[broken_off:])) is not None:
-        closed = [*(one for one in closed if one.start < broken_off), ended]
-    return [(one, *_wrapped(one)) for one in closed]
+        inner = scan(quoted)[0]
+        return [(JsonObject(item.value, 0, is_altered=item.is_altered),) for item in inner]
+    objects, broken_off = scan(text)
+    if broken_off is not None and (last := _without_brace(text[broken_off:])) is not None:
+        objects = [*(item for item in objects if item.start < broken_off), last]
+    return [(outer, *_wrapped(outer)) for outer in objects]
 
 
-def _wrapped(outer: Found) -> Iterator[Found]:
+def _wrapped(outer: JsonObject) -> Iterator[JsonObject]:
     """Yield the object that an object of one member holds."""
     if len(outer.value) == 1 and isinstance(inner := next(iter(outer.value.values())), dict):
-        yield Found(inner, 0, is_altered=outer.is_altered)
+        yield JsonObject(inner, 0, is_altered=outer.is_altered)
 
 
-def _repeated(value: object) -> Iterator[str]:
+def _repeated_members(value: object) -> Iterator[str]:
     if isinstance(value, Members):
         yield from value.repeated
-    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
-    for one in inner:
-        yield from _repeated(one)
+    for inner in held_values(value):
+        yield from _repeated_members(inner)
+
+
+def held_values(value: object) -> Iterable[Any]:
+    """Return the values that an object or a list holds; nothing for any other value."""
+    if isinstance(value, dict):
+        return value.values()
+    return value if isinstance(value, list) else ()
 
 
 def is_cut_off(text: str) -> bool:
@@ -78,7 +85,7 @@ def _members(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     value = dict(pairs)
     if len(value) == len(pairs):
         return value
-    repeated = frozenset(name for name, one in pairs if value[name] != one)
+    repeated = tuple(dict.fromkeys(name for name, earlier in pairs if value[name] != earlier))
     if not repeated:
         return value
     members = Members(value)
@@ -106,26 +113,28 @@ _TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[{}\[\]"]', re.DOTALL)
 _TRAILING_COMMA = re.compile(r'("(?:[^"\\]|\\.)*")|,(?=\s*[}\]])', re.DOTALL)
 
 
-def scan(text: str) -> tuple[list[Found], int | None]:
+def scan(text: str) -> tuple[list[JsonObject], int | None]:
     """Return the closed outermost objects, and the offset of the first object without an end."""
-    found: list[Found] = []
+    objects: list[JsonObject] = []
     broken_off: int | None = None
     position = failed = mended = 0
     while failed < _STARTS and mended < _MENDED and (start := _OBJECT.search(text, position)):
         position = start.start()
-        one = _strict_at(text, position)
-        if one is None:
+        parsed = _strict_at(text, position)
+        if parsed is None:
             end = _matching_brace(text, position)
-            one = None if end is None else _mended(text[position:end])
-            broken_off = position if broken_off is None and end is None else broken_off
-            mended += one is not None
-        if one is None:
+            if end is not None:
+                parsed = _mended(text[position:end])
+            elif broken_off is None:
+                broken_off = position
+            mended += parsed is not None
+        if parsed is None:
             position += 1
             failed += 1
         else:
-            found.append(one._replace(start=position))
-            position += one.width
-    return found, broken_off
+            objects.append(parsed._replace(start=position))
+            position += parsed.width
+    return objects, broken_off
 
 
 def _matching_brace(text: str, position: int) -> int | None:
@@ -141,9 +150,10 @@ def _matching_brace(text: str, position: int) -> int | None:
     return None
 
 
-def _ended(text: str) -> Found | None:
+def _without_brace(text: str) -> JsonObject | None:
     """Return the object that a text ends in, if only its closing brace is missing."""
     part = re.sub(r"\s*(?:```)?\s*$", "", text)
+    # Quotation marks inside single-quoted strings make brackets uncountable.
     if not (part.endswith("}") and re.match(r"\{\s*'", part)):
         marks = [token.group() for token in _TOKEN.finditer(part)]
         is_missing_a_brace = (
@@ -155,18 +165,17 @@ def _ended(text: str) -> Found | None:
         if not is_missing_a_brace:
             return None
         part += "}"
-    # Quotation marks inside single-quoted strings make brackets uncountable.
-    found = _mended(part)
-    return found and found._replace(width=len(text), is_complete=False)
+    mended = _mended(part)
+    return mended and mended._replace(width=len(text), is_complete=False)
 
 
-def _mended(text: str) -> Found | None:
+def _mended(text: str) -> JsonObject | None:
     """Return a faulty object, repaired."""
     if len(text) > _MENDABLE:
         return None
     value = _strict(_TRAILING_COMMA.sub(lambda match: match[1] or "", text))
     if isinstance(value, dict):
-        return Found(value, len(text))
+        return JsonObject(value, len(text))
     try:
         value = json_repair.loads(text, skip_json_loads=True)
     # json_repair is made for broken input, but some of it makes it raise.
@@ -176,7 +185,7 @@ def _mended(text: str) -> Found | None:
         return None
     plain = _COMMENT.sub(lambda match: match[1] or "", text)
     is_altered = _essence(plain) != _essence(json.dumps(value))
-    return Found(value, len(text), is_altered=is_altered, has_comments=plain != text)
+    return JsonObject(value, len(text), is_altered=is_altered, has_comments=plain != text)
 
 
 def _strict(text: str) -> Any:
@@ -186,12 +195,12 @@ def _strict(text: str) -> Any:
         return None
 
 
-def _strict_at(text: str, position: int) -> Found | None:
+def _strict_at(text: str, position: int) -> JsonObject | None:
     try:
         value, end = _DECODER.raw_decode(text, position)
     except (ValueError, RecursionError):
         return None
-    return Found(value, end - position) if isinstance(value, dict) else None
+    return JsonObject(value, end - position) if isinstance(value, dict) else None
 
 
 def _essence(text: str) -> str:

@@ -17,10 +17,16 @@ def cacheable_share(request: Request) -> float:
     That is the system's turn, and in a conversation or a repair everything up to the question before the last;
     0 if it is shorter than what providers cache. The first request of a kind in a run has to fill the cache.
     """
-    asked = [index for index, message in enumerate(request.messages) if message.role == "user"]
-    end = asked[-2] + 1 if len(asked) > 1 else asked[0] if asked else 0
-    prefix, whole = _tokens(request.messages[:end]), _tokens(request.messages)
-    return prefix / whole if prefix >= LEAST_TOKENS else 0.0
+    prefix = _tokens(request.messages[: _shared_turns(request.messages)])
+    return prefix / _tokens(request.messages) if prefix >= LEAST_TOKENS else 0.0
+
+
+def _shared_turns(messages: Sequence[Message]) -> int:
+    """Return the number of turns before the first question, or up to the question before the last."""
+    questions = [index for index, message in enumerate(messages) if message.role == "user"]
+    if len(questions) > 1:
+        return questions[-2] + 1
+    return questions[0] if questions else 0
 
 
 def _tokens(messages: Sequence[Message]) -> float:

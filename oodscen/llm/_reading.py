@@ -8,7 +8,7 @@ from pydantic import BaseModel, ValidationError
 from oodscen._prose import is_disowned, is_taken_back, without_thoughts
 from oodscen.data._issues import issues_of
 from oodscen.errors import Issue
-from oodscen.llm._json_objects import Found, find_objects, is_cut_off
+from oodscen.llm._json_objects import JsonObject, find_objects, held_values, is_cut_off
 
 Answer = TypeVar("Answer", bound=BaseModel)
 
@@ -30,7 +30,7 @@ ONLY = {
 class _Reading(NamedTuple, Generic[Answer]):
     """One object of a text, read as an answer."""
 
-    found: Found
+    source: JsonObject
     answer: Answer | None
     """None if the object has another shape, or lacks its end and some of its members."""
     issues: list[Issue]
@@ -54,14 +54,14 @@ def read_answer(
     """
     if len(raw) > MAX_ANSWER:
         return None, [Issue("", f"the answer has {len(raw):,} characters; {MAX_ANSWER:,} at most")]
-    said = without_thoughts(raw)
-    if not said.strip():
+    text = without_thoughts(raw)
+    if not text.strip():
         return None, [UNSPOKEN if raw.strip() else EMPTY]
-    readings = [_read(candidates, kind, said) for candidates in find_objects(said)]
+    readings = [_read(candidates, kind, text) for candidates in find_objects(text)]
     answers = [reading for reading in readings if reading.answer is not None]
     others = [reading for reading in readings if reading.answer is None]
     if not answers:
-        return None, _nearest_faults(others, said)
+        return None, _nearest_faults(others, text)
     first = answers[0]
     issues = [issue for answer in answers for issue in answer.issues]
     if not issues:
@@ -75,28 +75,29 @@ def read_answer(
     return (None, issues) if issues else (first.answer, [])
 
 
-def _read(candidates: tuple[Found, ...], kind: type[Answer], said: str) -> _Reading[Answer]:
+def _read(candidates: tuple[JsonObject, ...], kind: type[Answer], text: str) -> _Reading[Answer]:
     """Read an object, or else the one that it wraps."""
     outer = candidates[0]
-    after = said[outer.start + outer.width :] if outer.width else ""
+    after = text[outer.start + outer.width :] if outer.width else ""
     outer_issues: list[Issue] = []
-    for found in candidates:
+    for candidate in candidates:
         try:
-            answer = kind.model_validate(found.value)
+            answer = kind.model_validate(candidate.value)
         except ValidationError as error:
             outer_issues = outer_issues or issues_of(error)
             continue
-        if found.is_complete or kind.model_fields.keys() <= found.value.keys():
-            return _Reading(found, answer, [*_doubts(found, answer), *_denial(outer, said)], after)
+        if candidate.is_complete or kind.model_fields.keys() <= candidate.value.keys():
+            issues = [*_doubts(candidate, answer), *_denial(outer, text)]
+            return _Reading(candidate, answer, issues, after)
     return _Reading(outer, None, outer_issues, after)
 
 
-def _nearest_faults(others: Sequence[_Reading[Answer]], said: str) -> list[Issue]:
+def _nearest_faults(others: Sequence[_Reading[Answer]], text: str) -> list[Issue]:
     """Return the faults of a text without an answer: those of its longest object, if it is whole."""
-    if is_cut_off(said):
+    if is_cut_off(text):
         return [CUT_OFF]
     if others:
-        return max(others, key=lambda reading: reading.found.width).issues
+        return max(others, key=lambda reading: reading.source.width).issues
     return [Issue("", "no JSON object was found in the answer")]
 
 
@@ -104,7 +105,8 @@ def _rivals(answers: Sequence[_Reading[Answer]]) -> list[Issue]:
     """Return the fault that answers differ."""
     different: list[Answer | None] = []
     for reading in answers:
-        different += [reading.answer] if reading.answer not in different else []
+        if reading.answer not in different:
+            different.append(reading.answer)
     if len(different) == 1:
         return []
     return [Issue("", f"it holds {len(different)} different answers; give one")]
@@ -114,32 +116,31 @@ def _corrections(
     answer: _Reading[Answer], others: Sequence[_Reading[Answer]], kind: type[Answer]
 ) -> list[Issue]:
     """Return the fault that another object, such as a correction, gives a member of the answer another value."""
-    given = answer.found.value
-    inner = list(_inner_objects(given))
-    is_contradicted = any(
-        any(name in kind.model_fields and said != given.get(name) for name, said in other.items())
-        or _contradicts(other, inner)
-        for other in (reading.found.value for reading in others)
-    )
-    if not is_contradicted:
-        return []
-    return [Issue("", "a second object beside the answer says otherwise; give one")]
+    value = answer.source.value
+    inner = list(_inner_objects(value))
+    for other in (reading.source.value for reading in others):
+        is_member_changed = any(
+            name in kind.model_fields and member != value.get(name)
+            for name, member in other.items()
+        )
+        if is_member_changed or _contradicts(other, inner):
+            return [Issue("", "a second object beside the answer says otherwise; give one")]
+    return []
 
 
 def _inner_objects(value: object) -> Iterator[dict[str, Any]]:
     """Yield the objects that an object or a list holds, at any depth."""
-    held = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
-    for one in held:
-        if isinstance(one, dict):
-            yield one
-        yield from _inner_objects(one)
+    for inner in held_values(value):
+        if isinstance(inner, dict):
+            yield inner
+        yield from _inner_objects(inner)
 
 
 def _contradicts(other: dict[str, Any], objects: Sequence[dict[str, Any]]) -> bool:
     """Return whether an object shares members with some others, and agrees with none of those."""
-    alike = [one for one in objects if one.keys() & other.keys()]
+    alike = [item for item in objects if item.keys() & other.keys()]
     return bool(alike) and not any(
-        all(one[name] == other[name] for name in one.keys() & other.keys()) for one in alike
+        all(item[name] == other[name] for name in item.keys() & other.keys()) for item in alike
     )
 
 
@@ -150,35 +151,37 @@ def _second_thoughts(answer: _Reading[Answer]) -> list[Issue]:
     return [Issue("", "the words after the object correct it; give the corrected object alone")]
 
 
-def _denial(found: Found, said: str) -> list[Issue]:
+def _denial(source: JsonObject, text: str) -> list[Issue]:
     """Return the fault that the words beside an object say that it is not the answer."""
-    if not found.width:
+    if not source.width:
         return []
-    before, after = said[: found.start], said[found.start + found.width :]
+    before, after = text[: source.start], text[source.start + source.width :]
     if not is_disowned(before, after):
         return []
     return [Issue("", "the words beside the object say that it is not the answer; give one")]
 
 
-def _doubts(found: Found, answer: BaseModel) -> list[Issue]:
+def _doubts(source: JsonObject, answer: BaseModel) -> list[Issue]:
     """Return the reasons why an object of the right shape may say something else than what was read."""
-    issues = [Issue(name[:80], "is given twice with different values") for name in found.repeated]
-    if found.is_altered:
+    issues = [Issue(name[:80], "is given twice with different values") for name in source.repeated]
+    if source.is_altered:
         issues.append(Issue("", "it is not valid JSON; quote every text, and write plain numbers"))
     return issues + [
         Issue(path, "must be a number, not true or false")
-        for path in _truths_as_numbers(found.value, answer.model_dump())
+        for path in _truths_as_numbers(source.value, answer.model_dump())
     ]
 
 
-def _truths_as_numbers(given: object, read: object, path: str = "") -> Iterator[str]:
-    """Yield the places at which `true` or `false` was read as a number."""
-    if isinstance(given, bool):
+def _truths_as_numbers(written: object, read: object, path: str = "") -> Iterator[str]:
+    """Yield the places at which `true` or `false` was read as a number, in the order of the text."""
+    if isinstance(written, bool):
         if isinstance(read, int | float) and not isinstance(read, bool):
             yield path
-    elif isinstance(given, dict) and isinstance(read, dict):
-        for name in given.keys() & read.keys():
-            yield from _truths_as_numbers(given[name], read[name], f"{path}.{name}".strip("."))
-    elif isinstance(given, list) and isinstance(read, list | tuple):
-        for index, (one, other) in enumerate(zip(given, read, strict=False)):
-            yield from _truths_as_numbers(one, other, f"{path}[{index}]")
+    elif isinstance(written, dict) and isinstance(read, dict):
+        for name in written:
+            if name in read:
+                member = f"{path}.{name}".strip(".")
+                yield from _truths_as_numbers(written[name], read[name], member)
+    elif isinstance(written, list) and isinstance(read, list | tuple):
+        for index, (inner, inner_read) in enumerate(zip(written, read, strict=False)):
+            yield from _truths_as_numbers(inner, inner_read, f"{path}[{index}]")

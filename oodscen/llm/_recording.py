@@ -81,7 +81,7 @@ class Exchange(LeanData):
             instead=completion.instead,
         )
 
-    def again(self) -> Completion:
+    def completion(self) -> Completion:
         """Return the recorded answer, which costs no request."""
         return Completion(
             text=self.answer,
@@ -96,11 +96,22 @@ class Exchange(LeanData):
         return _key(self.purpose, self.sample, self.attempt, self.messages)
 
 
-class _RecordPlace(NamedTuple):
+class _LineSpan(NamedTuple):
+    """The line of an exchange in its file."""
+
     model: str
     line: int
+    """Number of the line, from 1."""
     start: int
+    """Offset of its first byte."""
     length: int
+    """Number of its bytes."""
+
+
+class _Fingerprint(NamedTuple):
+    inode: int
+    size: int
+    modified_ns: int
 
 
 class Recording(Brief):
@@ -120,7 +131,8 @@ class Recording(Brief):
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
-        self._places: dict[str, list[_RecordPlace]] = {}
+        self._spans: dict[str, list[_LineSpan]] = {}
+        """Lines of the exchanges, by their key."""
         self._line = 0
         """Number of the last line read."""
         self._end = 0
@@ -133,7 +145,7 @@ class Recording(Brief):
         self._read()
 
     def __len__(self) -> int:
-        return sum(map(len, self._places.values()))
+        return sum(map(len, self._spans.values()))
 
     def find(self, request: Request, model: str | None = None) -> Exchange | None:
         """Return the exchange that answers a request, the latest if there are several.
@@ -147,57 +159,56 @@ class Recording(Brief):
         """
         key = _key(request.prompt.purpose, request.sample, request.attempt, request.messages)
         with self._lock:
-            places = [p for p in self._places.get(key, ()) if model in (None, p.model)]
-        if not places:
+            spans = [span for span in self._spans.get(key, ()) if model in (None, span.model)]
+        if not spans:
             return None
-        names = sorted({place.model for place in places})
+        names = sorted({span.model for span in spans})
         if len(names) > 1:
             raise UsageError(
                 f"{self.path} has answers of several models to the same question ({', '.join(names)}); "
                 f"choose one, e.g. replay:{self.path}#{names[0]}"
             )
-        with self._opened() as file:
-            file.seek(places[-1].start)
-            return self._parse(file.read(places[-1].length), places[-1].line)
+        with self._open_file() as file:
+            return self._load(file, spans[-1])
 
     @property
     def models(self) -> set[str]:
         """Names of the recorded models."""
-        return {place.model for places in self._places.values() for place in places}
+        return {span.model for spans in self._spans.values() for span in spans}
 
     def differences(self, request: Request, model: str | None = None) -> list[Issue]:
         """Return the differences between a request and the most similar recorded question."""
         purpose = request.prompt.purpose
-        best: tuple[tuple[int, int], list[Issue]] | None = None
-        others: set[str] = set()
+        nearest: tuple[tuple[int, int], list[Issue]] | None = None
+        other_purposes: set[str] = set()
         with self._lock:
-            found = itertools.chain.from_iterable(self._places.values())
-            places = sorted(found, key=lambda place: place.start)
-        with self._opened() as file:
-            for place in places:
-                if model not in (None, place.model):
+            spans = sorted(
+                itertools.chain.from_iterable(self._spans.values()), key=lambda span: span.start
+            )
+        with self._open_file() as file:
+            for span in spans:
+                if model not in (None, span.model):
                     continue
-                file.seek(place.start)
-                exchange = self._parse(file.read(place.length), place.line)
+                exchange = self._load(file, span)
                 if exchange.purpose != purpose:
-                    others.add(exchange.purpose)
+                    other_purposes.add(exchange.purpose)
                     continue
                 issues = _differences(exchange, request)
-                shared = _shared(exchange.messages, request.messages)
+                shared = _shared_characters(exchange.messages, request.messages)
                 rank = (len(issues), -shared)
-                if best is None or rank < best[0]:
-                    best = (rank, issues)
-        if best is not None:
-            return best[1]
-        known = ", ".join(sorted(others)) or "nothing"
-        return [Issue("purpose", f"{purpose!r} was never recorded (recorded: {known})")]
+                if nearest is None or rank < nearest[0]:
+                    nearest = (rank, issues)
+        if nearest is not None:
+            return nearest[1]
+        recorded = ", ".join(sorted(other_purposes)) or "nothing"
+        return [Issue("purpose", f"{purpose!r} was never recorded (recorded: {recorded})")]
 
     def _read(self) -> None:
-        self._places, self._line, self._end, self._torn = {}, 0, 0, b""
-        self._seen = self._state()
-        if self._seen is None:
+        self._spans, self._line, self._end, self._is_ended, self._torn = {}, 0, 0, True, b""
+        self._fingerprint = self._file_fingerprint()
+        if self._fingerprint is None:
             return
-        with self._opened() as file:
+        with self._open_file() as file:
             while line := file.readline(_LONGEST):
                 if len(line) == _LONGEST:
                     issue = Issue(f"line {self._line + 1}", f"has {_LONGEST:,} bytes and more")
@@ -214,25 +225,29 @@ class Recording(Brief):
 
     def _remember(self, exchange: Exchange, length: int) -> None:
         self._line += 1
-        place = _RecordPlace(exchange.model, self._line, self._end, length)
-        self._places.setdefault(exchange.key(), []).append(place)
+        span = _LineSpan(exchange.model, self._line, self._end, length)
+        self._spans.setdefault(exchange.key(), []).append(span)
         self._end += length
 
-    def _state(self) -> tuple[int, int, int] | None:
+    def _file_fingerprint(self) -> _Fingerprint | None:
         """Return a fingerprint that changes with the file's content, or `None` if there is no file."""
         try:
-            found = self.path.stat()
+            status = self.path.stat()
         except FileNotFoundError:
             return None
         except OSError as error:
             raise unreadable("recording", self.path, error) from None
-        return found.st_ino, found.st_size, found.st_mtime_ns
+        return _Fingerprint(status.st_ino, status.st_size, status.st_mtime_ns)
+
+    def _load(self, file: BinaryIO, span: _LineSpan) -> Exchange:
+        file.seek(span.start)
+        return self._parse(file.read(span.length), span.line)
 
     def _parse(self, line: bytes, number: int) -> Exchange:
         return Exchange.parse(line, source=f"{self.path}, line {number}")
 
     @contextmanager
-    def _opened(self) -> Iterator[BinaryIO]:
+    def _open_file(self) -> Iterator[BinaryIO]:
         refuse_special(self.path, "recording")
         try:
             with self.path.open("rb") as file:
@@ -263,16 +278,16 @@ class Recorder(Recording):
     def at(cls, path: str | Path) -> "Recorder":
         """Return this process's recorder of a file, or a new one if there is none."""
         try:
-            place = Path(path).resolve()
+            resolved = Path(path).resolve()
         except (OSError, ValueError, RuntimeError) as error:
             raise DataError("recording", [Issue("", str(error))], source=str(path)) from None
-        with _sharing:
-            recorder = _recorders.get(place)
+        with _recorders_lock:
+            recorder = _recorders.get(resolved)
             if recorder is not None:
                 if not recorder._is_outdated():
                     return recorder
                 recorder.close()
-            recorder = _recorders[place] = cls(path)
+            recorder = _recorders[resolved] = cls(path)
             return recorder
 
     def open(self) -> None:
@@ -306,7 +321,7 @@ class Recorder(Recording):
             self._file = None
             self._is_open = False
             self._held.close()
-            self._seen = self._state()
+            self._fingerprint = self._file_fingerprint()
 
     def add(self, exchange: Exchange) -> None:
         """Append an exchange and hand it to the operating system.
@@ -348,10 +363,10 @@ class Recorder(Recording):
 
     def _is_outdated(self) -> bool:
         """Return whether another process has changed or replaced the file since it was read."""
-        found = self._state()
+        fingerprint = self._file_fingerprint()
         if self._file is None:
-            return found != self._seen
-        return found is None or found[0] != os.fstat(self._file.fileno()).st_ino
+            return fingerprint != self._fingerprint
+        return fingerprint is None or fingerprint.inode != os.fstat(self._file.fileno()).st_ino
 
     def _unwritable(self, error: OSError) -> StudyError:
         return StudyError(f"cannot record in {self.path}: {error.strerror or error}")
@@ -361,11 +376,14 @@ _BEGINNING = b'{"answer":'
 """The first bytes of every line that a recorder writes."""
 
 _recorders: weakref.WeakValueDictionary[Path, Recorder] = weakref.WeakValueDictionary()
-_sharing = threading.Lock()
+_recorders_lock = threading.Lock()
 
 
 def _key(purpose: str, sample: int, attempt: int, messages: tuple[Message, ...]) -> str:
-    turns = [[m.role, m.text, [image.sha256 for image in m.images]] for m in messages]
+    turns = [
+        [message.role, message.text, [image.sha256 for image in message.images]]
+        for message in messages
+    ]
     return digest([purpose, sample, attempt, turns])
 
 
@@ -398,24 +416,29 @@ def _differences(exchange: Exchange, request: Request) -> list[Issue]:
             issues.append(Issue(f"{path}.role", f"recorded {old.role}, asked {new.role}"))
         if old.text != new.text:
             issues.append(Issue(f"{path}.text", _first_difference(old.text, new.text)))
-        if [i.sha256 for i in old.images] != [i.sha256 for i in new.images]:
-            names = [", ".join(image.name for image in m.images) or "none" for m in (old, new)]
-            issues.append(
-                Issue(f"{path}.images", f"other pictures: recorded {names[0]}, asked {names[1]}")
-            )
+        if [image.sha256 for image in old.images] != [image.sha256 for image in new.images]:
+            fault = f"other pictures: recorded {_image_names(old)}, asked {_image_names(new)}"
+            issues.append(Issue(f"{path}.images", fault))
     return issues
 
 
+def _image_names(message: Message) -> str:
+    return ", ".join(image.name for image in message.images) or "none"
+
+
 def _first_difference(old: str, new: str) -> str:
-    at = _prefix(old, new)
-    quoted = [repr(text[at : at + SHOWN]) for text in (old, new)]
-    return f"differs from character {at}: recorded {quoted[0]}, asked {quoted[1]}"
+    start = _prefix_length(old, new)
+    recorded, asked = old[start : start + SHOWN], new[start : start + SHOWN]
+    return f"differs from character {start}: recorded {recorded!r}, asked {asked!r}"
 
 
-def _prefix(old: str, new: str) -> int:
-    pairs = zip(old, new, strict=False)
-    return sum(1 for _ in itertools.takewhile(lambda pair: pair[0] == pair[1], pairs))
+def _prefix_length(old: str, new: str) -> int:
+    for length, (old_character, new_character) in enumerate(zip(old, new, strict=False)):
+        if old_character != new_character:
+            return length
+    return min(len(old), len(new))
 
 
-def _shared(old: tuple[Message, ...], new: tuple[Message, ...]) -> int:
-    return sum(_prefix(a.text, b.text) for a, b in zip(old, new, strict=False))
+def _shared_characters(old: tuple[Message, ...], new: tuple[Message, ...]) -> int:
+    """Return how many characters at the beginnings of the turns are the same."""
+    return sum(_prefix_length(a.text, b.text) for a, b in zip(old, new, strict=False))

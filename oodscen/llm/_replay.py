@@ -36,20 +36,23 @@ class RecordingLLM(WrappingLLM):
         Raises:
             InUse: When another process is recording to the file; the model is not asked.
         """
-        if (found := self._found(request)) is not None:
-            return found
+        if (recorded := self._recorded(request)) is not None:
+            return recorded
         self._recorder.open()
-        if (found := self._found(request)) is not None:
-            return found
+        # Opening reads what other processes have recorded meanwhile.
+        if (recorded := self._recorded(request)) is not None:
+            return recorded
         began = time.perf_counter()
         completion = complete(self._llm, request)
         seconds = time.perf_counter() - began
         self._recorder.add(Exchange.of(request, completion, self.name, seconds))
         return completion
 
-    def _found(self, request: Request) -> Completion | None:
-        exchange = self._recorder.find(request, self.name) if self._is_reading else None
-        return None if exchange is None else exchange.again()
+    def _recorded(self, request: Request) -> Completion | None:
+        if not self._is_reading:
+            return None
+        exchange = self._recorder.find(request, self.name)
+        return None if exchange is None else exchange.completion()
 
 
 class ReplayLLM(Brief):
@@ -65,16 +68,11 @@ class ReplayLLM(Brief):
     _repr_fields = ("name",)
 
     def __init__(self, source: str | Path) -> None:
-        path, mark, model = str(source).rpartition("#")
-        if not mark or Path(source).is_file():
-            path, model = str(source), ""
+        path, self._model = _file_and_model(str(source))
         refuse_special(path, "recording")
-        self.name = (
-            f"replay:{Path(path).name}{mark and '#'}{model}"
-            if model
-            else (f"replay:{Path(path).name}")
-        )
-        self._model = model or None
+        self.name = f"replay:{Path(path).name}"
+        if self._model:
+            self.name += f"#{self._model}"
         self._recording = Recording(path)
         if not len(self._recording):
             raise DataError(
@@ -84,8 +82,10 @@ class ReplayLLM(Brief):
     @property
     def speaks_for(self) -> str:
         """Name of the recorded model, or this object's own if there are several."""
-        names = {self._model} if self._model else self._recording.models
-        return str(*names) if len(names) == 1 else self.name
+        if self._model:
+            return self._model
+        names = self._recording.models
+        return names.pop() if len(names) == 1 else self.name
 
     def complete(self, request: Request) -> Completion:
         """Return the recorded answer.
@@ -100,4 +100,12 @@ class ReplayLLM(Brief):
                 request.prompt.purpose,
                 self._recording.differences(request, self._model),
             )
-        return exchange.again()
+        return exchange.completion()
+
+
+def _file_and_model(source: str) -> tuple[str, str | None]:
+    """Return the file and the model that `FILE#MODEL` names; the name of a file may hold a `#` itself."""
+    path, mark, model = source.rpartition("#")
+    if not mark or Path(source).is_file():
+        return source, None
+    return path, model or None

@@ -8,7 +8,7 @@ from oodscen.protocols import LLM
 
 
 class WrappingLLM(Brief):
-    """A model that wraps another one: it takes over its name; attributes that it lacks are the other's.
+    """A model that wraps another one: it has the other's name, and the other's attributes where it lacks its own.
 
     Args:
         llm: The wrapped model.
@@ -21,7 +21,7 @@ class WrappingLLM(Brief):
         self._llm = llm
 
     def __getattr__(self, name: str) -> Any:
-        # A copy in the making has no `_llm` yet.
+        # While `copy` makes an object, it has no `_llm` yet.
         if name.startswith("_"):
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
         return getattr(self._llm, name)

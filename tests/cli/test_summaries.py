@@ -24,8 +24,8 @@ def test_items_without_a_whole_answer_are_told_per_model() -> None:
 
 def test_a_model_named_twice_is_told_once() -> None:
     ledger = Ledger()
-    ledger.kept["mm"] = "mm", 8
-    ledger.kept["other"] = "other", 2
+    ledger.kept_verdicts["mm"] = "mm", 8
+    ledger.kept_verdicts["other"] = "other", 2
     once = kept_verdicts(("mm", "other"), ledger, {})
     assert len(once) == 2
     assert kept_verdicts(("mm", "other", "mm"), ledger, {}) == once

@@ -61,7 +61,7 @@ def test_other_weights_are_refused(tmp_path):
 
 
 def test_another_tokenizer_is_refused(tmp_path):
-    source = minilm.packaged()
+    source = minilm.packaged_folder()
     (tmp_path / "model.safetensors").symlink_to(source / "model.safetensors")
     shutil.copy(source / "tokenizer_config.json", tmp_path / "tokenizer.json")
     with pytest.raises(EncoderError, match=r"tokenizer\.json"):

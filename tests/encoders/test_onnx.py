@@ -1,4 +1,5 @@
 import os
+import sys
 
 import numpy as np
 import pytest
@@ -7,7 +8,7 @@ from oodscen.encoders._all_minilm import all_minilm
 from oodscen.encoders._cached import cache_folder
 from oodscen.encoders._minilm import MiniLM
 from oodscen.encoders._onnx import OnnxMiniLM
-from oodscen.errors import MissingExtra
+from oodscen.errors import MissingExtra, UsageError
 from oodscen.protocols import Encoder
 from tests.needs import needs
 
@@ -66,9 +67,9 @@ def test_a_damaged_export_is_made_again(encoder, damage, monkeypatch):
     content = file.read_bytes()
     exports = []
     # An export takes seconds, as does its comparison with torch; those before the damage were real.
-    monkeypatch.setattr(OnnxMiniLM, "_compared", lambda self, model: 0.0)
+    monkeypatch.setattr(OnnxMiniLM, "_error_of", lambda self, model: 0.0)
     monkeypatch.setattr(
-        "oodscen.encoders._onnx._exported", lambda load, int8: exports.append(int8) or content
+        "oodscen.encoders._onnx._export", lambda load, int8: exports.append(int8) or content
     )
     if damage == "truncated":
         file.write_bytes(content[:1000])
@@ -96,8 +97,17 @@ def test_the_runtime_is_told_not_to_report_to_its_maker(encoder, monkeypatch):
     assert os.environ["ORT_DISABLE_TELEMETRY"] == "1"
 
 
-def test_a_missing_runtime_names_the_extra(monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, "onnxruntime", None)
+def test_a_missing_runtime_names_the_extra_before_anything_is_exported(monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(
+        "oodscen.encoders._onnx._export", lambda load, int8: pytest.fail("is exported")
+    )
+    monkeypatch.setitem(sys.modules, "onnxruntime", None)
     with pytest.raises(MissingExtra) as caught:
         OnnxMiniLM().encode(["text"])
     assert caught.value.extra == "onnx"
+
+
+def test_a_number_of_threads_is_one_or_more():
+    with pytest.raises(UsageError, match="threads"):
+        OnnxMiniLM(threads=0)

@@ -11,7 +11,7 @@ from oodscen.errors import EncoderError
 
 
 def test_a_local_folder_is_a_model():
-    encoder = SentenceTransformerEncoder(minilm.packaged(), batch_size=2)
+    encoder = SentenceTransformerEncoder(minilm.packaged_folder(), batch_size=2)
     texts = ["a car waits", "a deer jumps onto the road", "a van"]
     assert encoder.dimension == 384
     assert encoder.name.startswith("model@")
@@ -38,7 +38,7 @@ def test_a_folder_without_a_model_is_an_encoder_error(tmp_path):
 
 
 def test_the_name_tells_apart_what_changes_the_values(tmp_path):
-    packaged = Path(minilm.packaged())
+    packaged = Path(minilm.packaged_folder())
     linked = shutil.copytree(packaged, tmp_path / packaged.name, copy_function=os.symlink)
     same = SentenceTransformerEncoder(linked).name
     assert same == SentenceTransformerEncoder(packaged).name

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.llm._json_objects import (
-    Found,
+    JsonObject,
     Members,
     find_objects,
     is_cut_off,
@@ -23,11 +23,11 @@ def values(text: str) -> list[object]:
 
 def test_an_object_is_found_where_it_stands() -> None:
     assert scan(f"so {ONE}, and {{b: 2,}}") == (
-        [Found({"a": 1}, 8, True, 3), Found({"b": 2}, 7, True, 17)],
+        [JsonObject({"a": 1}, 8, True, 3), JsonObject({"b": 2}, 7, True, 17)],
         None,
     )
-    assert scan('{"a": "x\ny"}')[0] == [Found({"a": "x\ny"}, 12, True, 0)]
-    assert Found({}, 3) == Found({}, 3, is_complete=True, start=0, is_altered=False)
+    assert scan('{"a": "x\ny"}')[0] == [JsonObject({"a": "x\ny"}, 12, True, 0)]
+    assert JsonObject({}, 3) == JsonObject({}, 3, is_complete=True, start=0, is_altered=False)
 
 
 def test_line_ends_in_a_string_need_no_mending() -> None:
@@ -38,17 +38,17 @@ def test_line_ends_in_a_string_need_no_mending() -> None:
 def test_what_an_object_wraps_comes_after_it() -> None:
     wrapped = '{"answer": {"a": 2}}'
     assert find_objects(f"{ONE} {wrapped}") == [
-        (Found({"a": 1}, 8),),
-        (Found({"answer": {"a": 2}}, 20, start=9), Found({"a": 2}, 0)),
+        (JsonObject({"a": 1}, 8),),
+        (JsonObject({"answer": {"a": 2}}, 20, start=9), JsonObject({"a": 2}, 0)),
     ]
     both = '{"b": {"a": 2}, "c": 1}'
-    assert find_objects(both) == [(Found({"b": {"a": 2}, "c": 1}, 23),)]
+    assert find_objects(both) == [(JsonObject({"b": {"a": 2}, "c": 1}, 23),)]
 
 
 def test_objects_in_a_json_string_have_no_width() -> None:
     assert find_objects(json.dumps(f'{ONE} {{"b": 2}}')) == [
-        (Found({"a": 1}, 0),),
-        (Found({"b": 2}, 0),),
+        (JsonObject({"a": 1}, 0),),
+        (JsonObject({"b": 2}, 0),),
     ]
 
 
@@ -110,14 +110,21 @@ def test_what_is_whole_or_no_object_is_not_cut_off() -> None:
 def test_members_that_repeat_with_other_values_are_remembered() -> None:
     (found,) = scan('{"a": 1, "b": 2, "a": 3, "b": 2}')[0]
     assert isinstance(found.value, Members)
-    assert (found.value, found.repeated) == ({"a": 3, "b": 2}, {"a"})
+    assert (found.value, found.repeated) == ({"a": 3, "b": 2}, ("a",))
     (found,) = scan('{"c": [{"a": 1, "a": 2}]}')[0]
-    assert found.repeated == {"a"}
+    assert found.repeated == ("a",)
     (found,) = scan('{"a": 1, "a": 2,}')[0]
-    assert found.repeated == {"a"}
+    assert found.repeated == ("a",)
     (found,) = scan('{"a": 1, "a": 1}')[0]
     assert type(found.value) is dict
-    assert found == Found({"a": 1}, 16)
+    assert found == JsonObject({"a": 1}, 16)
+
+
+def test_repeated_members_are_told_in_the_order_of_the_text() -> None:
+    names = [f"{letter}{number}" for letter in "zyxw" for number in range(9)]
+    twice = ", ".join(f'"{name}": 1, "{name}": 2' for name in names)
+    (found,) = scan(f'{{{twice}, "inner": {{"z": 1, "z": 2}}}}')[0]
+    assert found.repeated == (*names, "z")
 
 
 def test_commas_are_dropped_before_a_bracket_and_nowhere_else() -> None:

@@ -139,7 +139,7 @@ def test_a_recording_that_is_cut_anywhere_keeps_its_whole_lines(tmp_path_factory
     assert [llm.complete(request(sample=n)).requests for n in range(3)] == [
         0 if n < whole else 2 for n in range(3)
     ]
-    assert sorted(Recording(file)._places) == sorted(Exchange.parse(line).key() for line in LINES)
+    assert sorted(Recording(file)._spans) == sorted(Exchange.parse(line).key() for line in LINES)
     # A last line that lacks only its end is whole, and nothing was written.
     assert file.read_bytes().rstrip(b"\n").count(b"\n") == 2
 
@@ -203,6 +203,15 @@ def test_recorders_of_one_file_in_one_process_are_one(file):
     file.unlink()
     RecordingLLM(ScriptedLLM(by_sample), file).complete(request())
     assert len(Recording(file)) == 1
+
+
+def test_a_file_that_is_removed_begins_anew_without_a_blank_line(file):
+    file.parent.mkdir()
+    file.write_bytes(LINES[0].rstrip(b"\n"))
+    llm = RecordingLLM(ScriptedLLM(by_sample), Recorder(file))
+    file.unlink()
+    llm.complete(request())
+    assert file.read_bytes().startswith(b'{"answer":')
 
 
 def test_what_others_add_meanwhile_is_found_before_anybody_is_asked(file):

@@ -152,7 +152,7 @@ def _count_kept(
     """Note in the run's ledger how many verdicts of every model that is asked are kept."""
     counts = Counter(items[key].answerer for key, line in earlier.items() if not run.is_again(line))
     for name in filter(is_asked, run.config.vlms):
-        run.options.ledger.kept[name] = answerers[name].model.name, counts[name]
+        run.options.ledger.kept_verdicts[name] = answerers[name].model.name, counts[name]
 
 
 def _items(

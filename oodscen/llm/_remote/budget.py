@@ -36,13 +36,15 @@ class Price(NamedTuple):
 def check_price(model: str, price: Any) -> Price:
     """Return a price, or raise `UsageError` if it is not a pair of numbers from 0 to `DEAREST_USD`."""
     try:
-        asked, answered = (finite_number("a price", value, 0.0, DEAREST_USD) for value in price)
+        input_usd, output_usd = (
+            finite_number("a price", value, 0.0, DEAREST_USD) for value in price
+        )
     except (UsageError, TypeError, ValueError):
         raise UsageError(
             f"{price!r:.80} is not a price of {model!r}: give USD per million tokens of input "
             f"and output, each from 0 to {DEAREST_USD:,.0f}"
         ) from None
-    return Price(asked, answered)
+    return Price(input_usd, output_usd)
 
 
 class Caps(Data):
@@ -92,7 +94,7 @@ class Budget:
         self.caps = caps or Caps()
         self.spent = Spent()
         self._reserved = Spent()
-        self._longest = 0
+        self._longest_answer_tokens = 0
         self._clock = clock
         self._began = clock()
         self._lock = threading.Lock()
@@ -100,7 +102,7 @@ class Budget:
     @property
     def answer_tokens(self) -> int:
         """Expected length of an answer: the longest so far, or the allowance if that is longer."""
-        return max(ANSWER_TOKENS, self._longest)
+        return max(ANSWER_TOKENS, self._longest_answer_tokens)
 
     def reserve(self, most: Spent) -> None:
         """Reserve the maximum cost of a request before it is sent.
@@ -110,19 +112,20 @@ class Budget:
         """
         with self._lock:
             under_way = self.spent.plus(self._reserved)
-            spent = under_way.plus(most)
             limits = (self.caps.requests, self.caps.tokens, self.caps.cost_usd)
-            for name, limit, value in zip(Spent._fields, limits, spent, strict=True):
-                if limit is not None and value > limit * (1 + _ROUNDING):
-                    raise BudgetExceeded(name, limit, under_way._asdict()[name])
+            for name, limit, before, after in zip(
+                Spent._fields, limits, under_way, under_way.plus(most), strict=True
+            ):
+                if limit is not None and after > limit * (1 + _ROUNDING):
+                    raise BudgetExceeded(name, limit, before)
             elapsed = self._clock() - self._began
             if self.caps.seconds is not None and elapsed >= self.caps.seconds:
                 raise BudgetExceeded("seconds", self.caps.seconds, round(elapsed, 1))
             self._reserved = self._reserved.plus(most)
 
-    def settle(self, most: Spent, used: Spent, answer_tokens: int = 0) -> None:
-        """Replace a reservation by what was actually used."""
+    def settle(self, most: Spent, used: Spent, answer_tokens: int) -> None:
+        """Replace the reservation of a request by what it used, its answer's tokens among it."""
         with self._lock:
             self._reserved = self._reserved.minus(most)
             self.spent = self.spent.plus(used)
-            self._longest = max(self._longest, answer_tokens)
+            self._longest_answer_tokens = max(self._longest_answer_tokens, answer_tokens)

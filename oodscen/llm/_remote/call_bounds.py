@@ -11,13 +11,13 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Literal
 
-LOOK_S = 0.5
+INTERRUPTION_CHECK_S = 0.5
 """Interval at which an interruptible call checks whether it was interrupted, in seconds."""
 
-HEAD = 1_000_000
+MAX_HEAD_BYTES = 1_000_000
 """Maximum number of bytes before the body: headers, and informational responses."""
 
-KEPT = 20_000
+KEPT_BYTES = 20_000
 """Number of bytes of a body that are kept for an error message."""
 
 
@@ -75,7 +75,7 @@ class CallBounds:
         self._is_alive = is_alive
         self._is_closed = is_closed
         self._silent_since = clock()
-        self._read = 0
+        self._head_bytes = 0
         self._clock = clock
         self._ends = clock() + seconds
 
@@ -86,8 +86,10 @@ class CallBounds:
 
     @property
     def pace_s(self) -> float:
-        """Longest read before `endure` is called, in seconds."""
-        return self.silence_s if self._is_closed is None else min(self.silence_s, LOOK_S)
+        """Longest read before `keeps_waiting` is called, in seconds."""
+        return (
+            self.silence_s if self._is_closed is None else min(self.silence_s, INTERRUPTION_CHECK_S)
+        )
 
     def stop(self, broken: Break, detail: str = "") -> None:
         """Record the bound that ends the call."""
@@ -95,19 +97,22 @@ class CallBounds:
 
     def note_request(self, url: str) -> None:
         """Record that a request is about to be sent."""
-        self.is_sent, self.url, self.status, self._read = True, url, None, 0
+        self.is_sent = True
+        self.url = url
+        self.status = None
+        self._head_bytes = 0
 
-    def heard(self, size: int) -> None:
+    def note_received(self, size: int) -> None:
         """Record that the server sent bytes.
 
         Raises:
             BoundReached: When it sent too many of them and still no response.
         """
         self._silent_since = self._clock()
-        self._read += size
-        if self.status is None and self._read > HEAD:
-            self.stop("size", f"{HEAD:,}")
-            raise BoundReached(f"more than {HEAD:,} bytes and no response")
+        self._head_bytes += size
+        if self.status is None and self._head_bytes > MAX_HEAD_BYTES:
+            self.stop("size", f"{MAX_HEAD_BYTES:,}")
+            raise BoundReached(f"more than {MAX_HEAD_BYTES:,} bytes and no response")
 
     def seconds_left(self, timeout: float | None) -> float:
         """Return the seconds that the next read or write may take; 0 or less if time is up."""
@@ -120,7 +125,7 @@ class CallBounds:
             return 0.0
         return left if timeout is None else min(timeout, left)
 
-    def endure(self) -> bool:
+    def keeps_waiting(self) -> bool:
         """Return whether to keep waiting for a server that has sent nothing for `pace_s`."""
         if self._clock() - self._silent_since < self.silence_s:
             return True
@@ -130,18 +135,18 @@ class CallBounds:
         self.broken = "silence"
         return False
 
-    def count(self, chunk: bytes) -> None:
+    def note_chunk(self, chunk: bytes) -> None:
         """Record a chunk of the body.
 
         Raises:
             BoundReached: When the body is too large.
         """
         self.received += len(chunk)
-        if len(self.head) < KEPT:
-            self.head += chunk[: KEPT - len(self.head)]
-        self.refuse(self.received)
+        if len(self.head) < KEPT_BYTES:
+            self.head += chunk[: KEPT_BYTES - len(self.head)]
+        self.check_size(self.received)
 
-    def refuse(self, size: int) -> None:
+    def check_size(self, size: int) -> None:
         """Raise `BoundReached` if a body of this size is too large."""
         if size > self.size:
             self.stop("size", f"{self.size:,}")

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from oodscen._redaction import redact_start
 from oodscen._text import one_line
-from oodscen.llm._remote.call_bounds import KEPT, CallBounds
+from oodscen.llm._remote.call_bounds import KEPT_BYTES, CallBounds
 
 Kind = Literal["item", "filtered", "limit", "late", "unreachable", "erring", "denied"]
 """The meaning of a failure.
@@ -31,6 +31,9 @@ _MAX_RAW = 4_000
 
 _MAX_WAIT_S = 366 * 86_400.0
 """Longest wait that a server can mean, in seconds."""
+
+_TRANSIENT: frozenset[Kind] = frozenset({"limit", "late", "unreachable", "erring"})
+"""Kinds of failures after which a later attempt may succeed."""
 
 _MEANINGS: dict[int, Kind] = {
     401: "denied",
@@ -78,7 +81,7 @@ class FailedAttempt:
     message: str
     kind: Kind
     retryable: bool
-    may_refuse_form: bool = False
+    may_refuse_format: bool = False
     """True if the same request may succeed without an answer format."""
     retry_after: float | None = None
     """Seconds that the server asks to wait."""
@@ -111,30 +114,39 @@ def diagnose(model: str, error: Exception, bounds: CallBounds) -> FailedAttempt:
 
     status = bounds.status if bounds.is_sent else getattr(error, "status_code", None)
     cause = _root_cause(error)
-    said, caused = _words(error), _words(cause)
-    text = _short(said)
-    if one_line(caused) not in one_line(said):
-        text = f"{text} ({_short(caused)})"
-    kind, reason = _meaning(_kind(status, f"{said} {caused}", error), text, error, bounds)
+    words, cause_words = _words(error), _words(cause)
+    text = _short(words)
+    if one_line(cause_words) not in one_line(words):
+        text = f"{text} ({_short(cause_words)})"
+    kind, reason = _meaning(_kind(status, f"{words} {cause_words}", error), text, error, bounds)
     if _is_unsendable(cause):
         kind, reason = "denied", _UNSENDABLE
-    is_unreadable = kind == "erring" and (status is None or status < 400)
-    raw = _start(bounds) if is_unreadable else ""
-    if is_unreadable and bounds.broken is None and bounds.is_sent:
-        begins = f"{reason}; it begins: {_short(raw)[:_MAX_QUOTED]}"
-        reason = begins if raw.strip() else "the response is empty"
-    is_final = bounds.broken in ("redirect", "proxy", "offline") or status in (403, 404)
-    is_final = is_final or isinstance(error, ImportError)
-    is_too_long = isinstance(error, ContextWindowExceededError)
+    raw = ""
+    if kind == "erring" and (status is None or status < 400):
+        raw = _start(bounds)
+        if bounds.broken is None and bounds.is_sent:
+            reason = _unreadable(raw, reason)
+    is_lasting = bounds.broken in ("redirect", "proxy", "offline") or status in (403, 404)
     return FailedAttempt(
         message=f"{model} gave no answer: {reason}",
         kind=kind,
-        retryable=kind in ("limit", "late", "unreachable", "erring") and not is_final,
-        may_refuse_form=status in (400, 422) and kind == "item" and not is_too_long,
+        retryable=kind in _TRANSIENT and not is_lasting and not isinstance(error, ImportError),
+        may_refuse_format=(
+            status in (400, 422)
+            and kind == "item"
+            and not isinstance(error, ContextWindowExceededError)
+        ),
         retry_after=retry_after(error),
         status=status,
         raw=raw,
     )
+
+
+def _unreadable(raw: str, reason: str) -> str:
+    """Return the reason for which a response was unusable, with its beginning."""
+    if not raw.strip():
+        return "the response is empty"
+    return f"{reason}; it begins: {_short(raw)[:_MAX_QUOTED]}"
 
 
 def _meaning(kind: Kind, text: str, error: Exception, bounds: CallBounds) -> tuple[Kind, str]:
@@ -187,7 +199,7 @@ def _is_unsendable(cause: BaseException) -> bool:
 
 def _start(bounds: CallBounds) -> str:
     """Return the beginning of a response's body without credentials."""
-    is_cut = len(bounds.head) >= KEPT
+    is_cut = len(bounds.head) >= KEPT_BYTES
     return redact_start(bounds.head.decode("utf-8", "replace"), _MAX_RAW, is_cut=is_cut)
 
 

@@ -70,7 +70,9 @@ class Limits(Brief):
         self.caps = self.budget.caps
         self.prices = {model: check_price(model, price) for model, price in (prices or {}).items()}
         self.concurrency = whole_number("concurrency", concurrency, 1)
-        self._settings = (patience_s, whole_number("strikes", strikes, 1), clock)
+        self._patience_s = patience_s
+        self._strikes = whole_number("strikes", strikes, 1)
+        self._clock = clock
         self._leniency = 1.0
         self._closed = threading.Event()
         self._closed_at = math.inf
@@ -79,16 +81,15 @@ class Limits(Brief):
 
     def endpoint(self, name: str) -> Endpoint:
         """Return the endpoint of this name, shared by every model there."""
-        patience_s, strikes, clock = self._settings
         with self._lock:
             if name not in self._endpoints:
                 self._endpoints[name] = Endpoint(
                     name,
                     concurrency=self.concurrency,
-                    patience_s=patience_s,
-                    strikes=strikes,
+                    patience_s=self._patience_s,
+                    strikes=self._strikes,
                     leniency=self._leniency,
-                    clock=clock,
+                    clock=self._clock,
                 )
             return self._endpoints[name]
 
@@ -105,7 +106,7 @@ class Limits(Brief):
     def close(self) -> None:
         """Stop: start no request, end all waits, and abandon pending requests after `GRACE_S`."""
         with self._lock:
-            self._closed_at = min(self._closed_at, self._settings[2]())
+            self._closed_at = min(self._closed_at, self._clock())
         self._closed.set()
 
     def reopen(self) -> None:
@@ -120,7 +121,7 @@ class Limits(Brief):
 
     def is_over(self) -> bool:
         """Return whether pending requests are to be abandoned."""
-        return self._settings[2]() - self._closed_at >= GRACE_S
+        return self._clock() - self._closed_at >= GRACE_S
 
     def sleep(self, seconds: float) -> None:
         """Wait, at most until an interruption."""

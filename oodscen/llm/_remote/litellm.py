@@ -5,7 +5,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NoReturn
 from urllib.parse import urlsplit
 
 from oodscen._arguments import instance_of
@@ -20,7 +20,14 @@ from oodscen.llm._remote.call_bounds import CallBounds, apply_bounds
 from oodscen.llm._remote.failures import FailedAttempt, Filtered, NoAnswer, diagnose
 from oodscen.llm._remote.limits import LONGEST_S, Limits, check_seconds
 from oodscen.llm._remote.offline import SWITCH, is_loopback, is_offline
-from oodscen.llm._remote.sdk import json_ability, known_price, load_litellm, own_settings, resolve
+from oodscen.llm._remote.sdk import (
+    JsonAbility,
+    credential_settings,
+    json_ability,
+    known_price,
+    load_litellm,
+    resolve_model,
+)
 from oodscen.llm._remote.usage import count, estimate_tokens, plausible_usage
 from oodscen.llm._remote.wire import provider_seed, wire_message
 from oodscen.protocols import Completion, InsteadOfText, Request, Usage
@@ -114,16 +121,22 @@ class LiteLLM(Brief):
         self._sdk = sdk = load_litellm()
         if api_base is not None:
             _check_address(api_base)
-        hide([*secrets_in({**own_settings(sdk), **(options or {})}), *secrets_of(api_base or "")])
+        hide(
+            [
+                *secrets_in({**credential_settings(sdk), **(options or {})}),
+                *secrets_of(api_base or ""),
+            ]
+        )
         # litellm asks some models' servers what they can do.
         with apply_bounds(CallBounds(LOOKUP_S, max_bytes)):
-            self._model, provider, address = resolve(sdk, model, api_base)
-            _permit(model, api_base, address)
+            self._model, provider, address = resolve_model(sdk, model, api_base)
+            _check_offline(model, api_base, address)
             self.price = self.limits.prices.get(model) or known_price(sdk, self._model)
             """`None` where it is not known."""
-        _afford(model, self.price, self.limits)
+        _check_priced(model, self.price, self.limits)
         self._endpoint = self.limits.endpoint(redact(api_base) if api_base else provider)
-        self._refused: set[str] = set()
+        self._without_format: set[str] = set()
+        """Purposes of the questions whose answer format the server refuses."""
         self._arguments: dict[str, Any] = {
             "model": self._model,
             "timeout": self.timeout_s,
@@ -163,29 +176,37 @@ class LiteLLM(Brief):
         }
         most = self._most(request)
         purpose = request.prompt.purpose
-        form = None if purpose in self._refused else self._response_format(request)
-        refused = False
-        tries = 0
+        response_format = self._response_format(request)
+        is_refused = False
+        retries = 0
         if pause := self._endpoint.pause():
             self._sleep(min(pause, self.max_wait_s))
         while True:
-            formed = {**arguments, "response_format": form} if form else arguments
-            outcome = self._try(formed, request, most, sent)
+            if response_format is not None:
+                outcome = self._try(
+                    {**arguments, "response_format": response_format}, request, most, sent
+                )
+            else:
+                outcome = self._try(arguments, request, most, sent)
             if isinstance(outcome, Completion):
-                if refused:
-                    self._refused.add(purpose)
+                if is_refused:
+                    self._without_format.add(purpose)
                 return outcome.model_copy(update={"requests": len(sent)})
-            if form and outcome.may_refuse_form:
-                form, refused = None, True
+            if response_format is not None and outcome.may_refuse_format:
+                response_format, is_refused = None, True
                 continue
-            wait = self._wait(outcome, tries, request)
-            if wait is None:
-                outcome = self._explained(outcome)
-                self._endpoint.given_up(outcome, self.name)
-                self._endpoint.check(self.name)
-                raise self._error(outcome)
-            tries += 1
-            self._sleep(wait)
+            wait_s = self._wait(outcome, retries, request)
+            if wait_s is None:
+                self._give_up(outcome)
+            retries += 1
+            self._sleep(wait_s)
+
+    def _give_up(self, failure: FailedAttempt) -> NoReturn:
+        """Raise the error of a call that will not be retried."""
+        failure = self._explained(failure)
+        self._endpoint.note_failed_call(failure, self.name)
+        self._endpoint.check(self.name)
+        raise self._error(failure)
 
     def _try(
         self, arguments: dict[str, Any], request: Request, most: Spent, sent: list[CallBounds]
@@ -194,7 +215,7 @@ class LiteLLM(Brief):
         with self._endpoint.slot(self.name) as begun:
             self.limits.check()
             self.limits.budget.reserve(most)
-            used, answered = most, 0
+            used, answer_tokens = most, 0
             bounds = CallBounds(
                 self.timeout_s,
                 self.max_bytes,
@@ -207,21 +228,21 @@ class LiteLLM(Brief):
                 with apply_bounds(bounds):
                     response = self._sdk.completion(**arguments)
                 completion = self._completion(response, request)
-                answered = completion.usage.output_tokens
+                answer_tokens = completion.usage.output_tokens
                 used = self._used(completion.usage, most)
             # Servers send anything, and litellm passes on whatever its parsing of it raised.
             except Exception as error:
                 failure = diagnose(self.name, error, bounds)
                 used = Spent(1) if failure.is_free else most
             else:
-                self._endpoint.succeeded(self.name)
+                self._endpoint.note_answer(self.name)
                 return completion
             finally:
-                self.limits.budget.settle(most, used, answered)
+                self.limits.budget.settle(most, used, answer_tokens)
         self.limits.check()
         if failure.kind == "late" and not self._is_there(bounds):
             failure = replace(failure, kind="unreachable")
-        self._endpoint.failed(failure, begun, self.name)
+        self._endpoint.note_failed_attempt(failure, begun, self.name)
         self._endpoint.check(self.name)
         return failure
 
@@ -233,11 +254,13 @@ class LiteLLM(Brief):
 
     def _explained(self, failure: FailedAttempt) -> FailedAttempt:
         """Add to a failure that the server asked for too long a wait."""
-        asked = failure.retry_after
-        if not failure.retryable or asked is None or asked <= self.max_wait_s:
+        wait_s = failure.retry_after
+        if not failure.retryable or wait_s is None or wait_s <= self.max_wait_s:
             return failure
-        said = f"; the server asked to wait {asked:.0f} s, more than max_wait_s {self.max_wait_s:g}"
-        return replace(failure, message=f"{failure.message}{said}")
+        reason = (
+            f"the server asked to wait {wait_s:.0f} s, more than max_wait_s {self.max_wait_s:g}"
+        )
+        return replace(failure, message=f"{failure.message}; {reason}")
 
     def _error(self, failure: FailedAttempt) -> LLMError:
         if failure.kind == "filtered":
@@ -252,10 +275,10 @@ class LiteLLM(Brief):
 
     def _most(self, request: Request) -> Spent:
         """Return the maximum cost of one attempt."""
-        asked = estimate_tokens(request)
-        answered = self._arguments.get("max_tokens") or self.limits.budget.answer_tokens
-        cost = self.price.of(asked, answered) if self.price else 0.0
-        return Spent(1, asked + answered, cost)
+        input_tokens = estimate_tokens(request)
+        output_tokens = self._arguments.get("max_tokens") or self.limits.budget.answer_tokens
+        cost = self.price.of(input_tokens, output_tokens) if self.price else 0.0
+        return Spent(1, input_tokens + output_tokens, cost)
 
     def _used(self, usage: Usage, most: Spent) -> Spent:
         tokens = usage.input_tokens + usage.output_tokens
@@ -274,27 +297,35 @@ class LiteLLM(Brief):
         if ending == "content_filter":
             raise Filtered("the answer was withheld or cut")
         # litellm takes an ending that it does not know for "stop", and keeps what OpenAI's fields lack apart.
-        native = _own_fields(choice).get("native_finish_reason")
-        refusal = _own_fields(choice.message).get("refusal")
+        native_ending = _native_fields(choice).get("native_finish_reason")
+        refusal = _native_fields(choice.message).get("refusal")
         text = choice.message.content or (refusal if isinstance(refusal, str) else "")
-        said = getattr(response, "usage", None)
-        details = getattr(said, "prompt_tokens_details", None)
-        usage = Usage(
-            input_tokens=count(getattr(said, "prompt_tokens", None)),
-            output_tokens=count(getattr(said, "completion_tokens", None)),
-            cached_tokens=count(getattr(details, "cached_tokens", None)),
-        )
-        cost = self._cost(response, usage.input_tokens, usage.output_tokens)
         return Completion(
             text=redact_keys(text.encode("utf-8", "replace").decode()),
-            usage=plausible_usage(usage.model_copy(update={"cost_usd": cost}), request),
-            is_cut_off=ending == "length" or str(native).casefold() in _CUT_OFF,
+            usage=plausible_usage(self._usage(response), request),
+            is_cut_off=ending == "length" or str(native_ending).casefold() in _CUT_OFF,
             instead=None if text.strip() else _in_place_of_text(choice.message),
         )
 
-    def _cost(self, response: Any, asked: int, answered: int) -> float | None:
+    def _usage(self, response: Any) -> Usage:
+        """Return the usage that a response states, and its cost."""
+        stated = getattr(response, "usage", None)
+        details = getattr(stated, "prompt_tokens_details", None)
+        input_tokens = count(getattr(stated, "prompt_tokens", None))
+        output_tokens = count(getattr(stated, "completion_tokens", None))
+        usage = Usage(
+            input_tokens=input_tokens,
+            output_tokens=output_tokens,
+            cached_tokens=count(getattr(details, "cached_tokens", None)),
+        )
+        # Not validated before `plausible_usage`: litellm's cost may be any number.
+        return usage.model_copy(
+            update={"cost_usd": self._cost(response, input_tokens, output_tokens)}
+        )
+
+    def _cost(self, response: Any, input_tokens: int, output_tokens: int) -> float | None:
         if (price := self.limits.prices.get(self.name)) is not None:
-            return price.of(asked, answered)
+            return price.of(input_tokens, output_tokens)
         try:
             return float(self._sdk.completion_cost(completion_response=response, model=self._model))
         # litellm raises a bare Exception for a model without a price.
@@ -302,32 +333,34 @@ class LiteLLM(Brief):
             return None
 
     def _response_format(self, request: Request) -> dict[str, Any] | None:
-        if self._ability == "schema":
+        """Return the answer format to ask for; `None` if the model has none or has refused it."""
+        if request.prompt.purpose in self._without_format:
+            return None
+        if self._json_ability == "schema":
             name = request.prompt.purpose.replace("-", "_")
             return {"type": "json_schema", "json_schema": {"name": name, "schema": request.schema}}
-        return {"type": "json_object"} if self._ability == "mode" else None
+        return {"type": "json_object"} if self._json_ability == "mode" else None
 
     @cached_property
-    def _ability(self) -> str:
+    def _json_ability(self) -> JsonAbility | None:
         """The answer formats that litellm says the model has; it asks some models' servers."""
         with apply_bounds(CallBounds(LOOKUP_S, self.max_bytes)):
             return json_ability(self._sdk, self._model)
 
-    def _wait(self, failure: FailedAttempt, tries: int, request: Request) -> float | None:
+    def _wait(self, failure: FailedAttempt, retries: int, request: Request) -> float | None:
         """Return the seconds to wait before the next attempt, or `None` to give up."""
         most = min(self.retries, LATE_RETRIES) if failure.kind == "late" else self.retries
-        most = 0 if self._endpoint.is_doubted(self.name) else most
-        if not failure.retryable or tries >= most:
+        if not failure.retryable or retries >= most or self._endpoint.is_doubted(self.name):
             return None
         if failure.retry_after is not None:
             # An earlier retry would be refused again, and count against the caller.
             return failure.retry_after if failure.retry_after <= self.max_wait_s else None
-        keys = ("retry", request.prompt.purpose, request.sample, request.attempt, tries)
+        keys = ("retry", request.prompt.purpose, request.sample, request.attempt, retries)
         jitter = float(stream(self.seed, *keys).uniform(0.5, 1.0))
-        return min(float(2**tries), self.max_wait_s) * jitter
+        return min(float(2**retries), self.max_wait_s) * jitter
 
 
-def _afford(model: str, price: Price | None, limits: Limits) -> None:
+def _check_priced(model: str, price: Price | None, limits: Limits) -> None:
     """Refuse a model without a price if the cost is capped."""
     if limits.budget.caps.cost_usd is not None and price is None:
         raise UsageError(
@@ -355,10 +388,10 @@ def _in_place_of_text(message: Any) -> InsteadOfText | None:
     return "reasoning" if getattr(message, "reasoning_content", None) else None
 
 
-def _own_fields(part: Any) -> Mapping[str, Any]:
+def _native_fields(part: Any) -> Mapping[str, Any]:
     """Return the fields of a response's part that litellm keeps as its server wrote them."""
-    found = getattr(part, "provider_specific_fields", None)
-    return found if isinstance(found, Mapping) else {}
+    fields = getattr(part, "provider_specific_fields", None)
+    return fields if isinstance(fields, Mapping) else {}
 
 
 def _check_address(api_base: str) -> None:
@@ -376,12 +409,12 @@ def _check_address(api_base: str) -> None:
         )
 
 
-def _permit(model: str, api_base: str | None, address: str | None) -> None:
+def _check_offline(model: str, api_base: str | None, address: str | None) -> None:
     """Refuse an address outside this machine if the environment forbids the network."""
     if not is_offline() or is_loopback(address):
         return
-    where = redact(api_base) if api_base else "its provider"
+    server = redact(api_base) if api_base else "its provider"
     raise UsageError(
-        f"{SWITCH} is set, and {model!r} would be asked at {where}; only addresses on this "
+        f"{SWITCH} is set, and {model!r} would be asked at {server}; only addresses on this "
         f"machine are allowed (127.0.0.1, localhost), or unset {SWITCH}"
     )

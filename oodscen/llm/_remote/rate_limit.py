@@ -69,15 +69,18 @@ class Endpoint:
         """Seconds without a byte after which the server is probed."""
         self._clock = clock
         self._running = 0
-        self._given_up: dict[str, Counter[str]] = {}
-        self._heard = -math.inf
+        self._failed_calls: dict[str, Counter[str]] = {}
+        """Calls of each model that failed since its last answer, by the kind of failure."""
+        self._last_response_at = -math.inf
         self._silent_since: float | None = None
         self._narrowed_at = -1.0
         self._not_before = 0.0
         self._down: dict[str | None, EndpointDown] = {}
-        self._free = threading.Condition()
-        self._looking = threading.Lock()
-        self._looked: tuple[float, bool] | None = None
+        """The models that are given up, and with the key `None` the server."""
+        self._slot_free = threading.Condition()
+        self._probe_lock = threading.Lock()
+        self._last_probe: tuple[float, bool] | None = None
+        """Time of the last probe, and whether the server responded."""
 
     @contextmanager
     def slot(self, model: str = "") -> Iterator[float]:
@@ -89,8 +92,8 @@ class Endpoint:
         Raises:
             EndpointDown: When the server or the model is given up.
         """
-        with self._free:
-            self._free.wait_for(
+        with self._slot_free:
+            self._slot_free.wait_for(
                 lambda: self._fault(model) is not None or self._running < max(1, int(self.window))
             )
             self.check(model)
@@ -98,9 +101,9 @@ class Endpoint:
         try:
             yield self._clock()
         finally:
-            with self._free:
+            with self._slot_free:
                 self._running -= 1
-                self._free.notify_all()
+                self._slot_free.notify_all()
 
     def check(self, model: str = "") -> None:
         """Raise `EndpointDown` if the server or this model is given up."""
@@ -109,12 +112,12 @@ class Endpoint:
 
     def is_doubted(self, model: str = "") -> bool:
         """Return whether a model's recent failures limit each call to one attempt."""
-        failed = self._given_up.get(model)
-        return self.leniency > 1 and failed is not None and failed.total() >= self.strikes
+        failed_calls = self._failed_calls.get(model, Counter())
+        return self.leniency > 1 and failed_calls.total() >= self.strikes
 
     def pause(self) -> float:
         """Return the seconds to wait before the next request, as the server demanded."""
-        with self._free:
+        with self._slot_free:
             return max(0.0, self._not_before - self._clock())
 
     def is_alive(
@@ -130,63 +133,66 @@ class Endpoint:
         if self.patience_s is None:
             return True
         seconds = 0.25 * self.patience_s
-        if within_s < seconds or not self._looking.acquire(timeout=seconds):
+        if within_s < seconds or not self._probe_lock.acquire(timeout=seconds):
             return True
         try:
-            if self._looked is None or self._clock() - self._looked[0] > seconds:
-                found = probe(url, seconds)
-                self._looked = (self._clock(), found)
-            return self._looked[1]
+            if self._last_probe is None or self._clock() - self._last_probe[0] > seconds:
+                is_responding = probe(url, seconds)
+                self._last_probe = (self._clock(), is_responding)
+            return self._last_probe[1]
         finally:
-            self._looking.release()
+            self._probe_lock.release()
 
-    def succeeded(self, model: str = "") -> None:
+    def note_answer(self, model: str = "") -> None:
         """Record an answer."""
-        with self._free:
-            self._given_up.pop(model, None)
-            self._hear()
+        with self._slot_free:
+            self._failed_calls.pop(model, None)
+            self._note_response()
             self.window = min(float(self.concurrency), self.window + 1.0 / self.window)
-            self._free.notify_all()
+            self._slot_free.notify_all()
 
-    def failed(self, failure: FailedAttempt, begun: float, model: str = "") -> None:
+    def note_failed_attempt(self, failure: FailedAttempt, begun: float, model: str = "") -> None:
         """Record a failed attempt at asking a model, which took its slot at the time `begun`."""
-        with self._free:
-            if failure.kind != "unreachable":
-                self._hear()
+        with self._slot_free:
+            if failure.kind == "unreachable":
+                self._note_silence(failure, begun)
+                return
+            self._note_response()
             if failure.kind == "limit":
-                self._not_before = max(
-                    self._not_before, self._clock() + (failure.retry_after or 0.0)
-                )
-                if begun > self._narrowed_at:
-                    self.window = max(1.0, self.window / 2.0)
-                    self._narrowed_at = self._clock()
+                self._narrow(failure.retry_after or 0.0, begun)
             elif failure.kind == "denied":
                 self._give_up(model, failure.message)
-            elif failure.kind == "unreachable":
-                since = (
-                    max(begun, self._heard) if self._silent_since is None else self._silent_since
-                )
-                self._silent_since = since
-                if self.patience_s is not None and self._clock() - since >= self.patience_s:
-                    silence = self._clock() - since
-                    self._give_up(None, f"no response for {silence:.0f} s; {failure.message}")
 
-    def given_up(self, failure: FailedAttempt, model: str = "") -> None:
+    def note_failed_call(self, failure: FailedAttempt, model: str = "") -> None:
         """Record a call that will not be retried."""
-        with self._free:
-            if failure.kind in _LENIENCY:
-                counts = self._given_up.setdefault(model, Counter())
-                counts[failure.kind] += 1
-                weights = {
-                    kind: max(1.0, min(self.leniency, most)) for kind, most in _LENIENCY.items()
-                }
-                if sum(counts[kind] / weights[kind] for kind in counts) >= self.strikes:
-                    count = counts.total()
-                    self._give_up(model, f"{count} calls in a row failed; {failure.message}")
+        if failure.kind not in _LENIENCY:
+            return
+        with self._slot_free:
+            counts = self._failed_calls.setdefault(model, Counter())
+            counts[failure.kind] += 1
+            weights = {kind: max(1.0, min(self.leniency, most)) for kind, most in _LENIENCY.items()}
+            if sum(counts[kind] / weights[kind] for kind in counts) >= self.strikes:
+                count = counts.total()
+                self._give_up(model, f"{count} calls in a row failed; {failure.message}")
 
-    def _hear(self) -> None:
-        self._heard = self._clock()
+    def _note_response(self) -> None:
+        self._last_response_at = self._clock()
         self._silent_since = None
+
+    def _note_silence(self, failure: FailedAttempt, begun: float) -> None:
+        """Give the server up if no request got a response for `patience_s`."""
+        if self._silent_since is None:
+            self._silent_since = max(begun, self._last_response_at)
+        silence_s = self._clock() - self._silent_since
+        if self.patience_s is not None and silence_s >= self.patience_s:
+            self._give_up(None, f"no response for {silence_s:.0f} s; {failure.message}")
+
+    def _narrow(self, wait_s: float, begun: float) -> None:
+        """Halve the window, once for all requests that were under way, and wait as the server demands."""
+        self._not_before = max(self._not_before, self._clock() + wait_s)
+        if begun > self._narrowed_at:
+            self.window = max(1.0, self.window / 2.0)
+            self._narrowed_at = self._clock()
 
     def _fault(self, model: str) -> EndpointDown | None:
         return self._down.get(None) or self._down.get(model)
@@ -196,4 +202,4 @@ class Endpoint:
             return
         name = f"{model} at {self.name}" if model else self.name
         self._down.setdefault(model, EndpointDown(name, reason))
-        self._free.notify_all()
+        self._slot_free.notify_all()

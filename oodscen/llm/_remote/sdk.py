@@ -4,9 +4,10 @@ import logging
 import os
 import threading
 import warnings
+from collections.abc import Iterator
 from functools import lru_cache
 from types import ModuleType
-from typing import Any
+from typing import Any, Literal
 
 from oodscen._members import reason
 from oodscen._redaction import redact
@@ -20,6 +21,9 @@ _LOGGERS = ("LiteLLM", "LiteLLM Router", "LiteLLM Proxy")
 _CLIENTS = ("anthropic", "httpcore", "httpx", "openai")
 """The packages below litellm, which log headers if OPENAI_LOG and the like say so."""
 _import_lock = threading.Lock()
+
+JsonAbility = Literal["schema", "mode"]
+"""A JSON schema for the answer, or JSON without one."""
 
 
 def load_litellm() -> ModuleType:
@@ -38,15 +42,7 @@ def load_litellm() -> ModuleType:
             warnings.filterwarnings(
                 "ignore", message=message, category=UserWarning, module=r"pydantic\."
             )
-        _check_environment(
-            tuple(
-                sorted(
-                    (name, value)
-                    for name, value in os.environ.items()
-                    if name.casefold().endswith("_proxy") or name.startswith("SSL_CERT_")
-                )
-            )
-        )
+        _check_environment(tuple(sorted(_network_settings())))
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
@@ -60,9 +56,12 @@ def load_litellm() -> ModuleType:
         except ImportError:
             raise MissingExtra("language models through litellm", "llm", "litellm") from None
         except Exception as error:
-            needs = "; it needs a temporary folder that it can write, such as TMPDIR may name"
-            more = needs if isinstance(error, OSError) else ""
-            raise UsageError(f"litellm cannot be loaded: {reason(error)}{more}") from None
+            message = f"litellm cannot be loaded: {reason(error)}"
+            if isinstance(error, OSError):
+                message += (
+                    "; it needs a temporary folder that it can write, such as TMPDIR may name"
+                )
+            raise UsageError(message) from None
         litellm.suppress_debug_info = True
         litellm.telemetry = False
         for name in _LOGGERS:
@@ -77,6 +76,13 @@ def load_litellm() -> ModuleType:
             guard(handler.client)
         module: ModuleType = litellm
         return module
+
+
+def _network_settings() -> Iterator[tuple[str, str]]:
+    """Yield the variables of the environment that name proxies or certificates, with their values."""
+    for name, value in os.environ.items():
+        if name.casefold().endswith("_proxy") or name.startswith("SSL_CERT_"):
+            yield name, value
 
 
 @lru_cache(maxsize=1)
@@ -124,16 +130,16 @@ def _redacted(record: logging.LogRecord) -> bool:
 def known_price(sdk: ModuleType, model: str) -> Price | None:
     """Return litellm's price of a model, or `None` if it knows none."""
     try:
-        asked, answered = sdk.cost_per_token(
+        input_usd, output_usd = sdk.cost_per_token(
             model=model, prompt_tokens=1_000_000, completion_tokens=1_000_000
         )
     # litellm raises a bare Exception for a model without a price.
     except Exception:
         return None
-    return Price(float(asked), float(answered))
+    return Price(float(input_usd), float(output_usd))
 
 
-def resolve(sdk: ModuleType, model: str, api_base: str | None) -> tuple[str, str, str | None]:
+def resolve_model(sdk: ModuleType, model: str, api_base: str | None) -> tuple[str, str, str | None]:
     """Return the name for litellm, the provider, and the provider's address if litellm knows it."""
     providers = [str(getattr(name, "value", name)) for name in sdk.provider_list]
     head, slash, rest = model.partition("/")
@@ -143,20 +149,20 @@ def resolve(sdk: ModuleType, model: str, api_base: str | None) -> tuple[str, str
     try:
         _, provider, _, address = sdk.get_llm_provider(model=model)
     except sdk.exceptions.BadRequestError:
-        known = {*sdk.model_cost, *providers, *(f"{name}/{rest}" for name in providers if rest)}
-        raise UnknownComponent("llm", model, known) from None
+        names = {*sdk.model_cost, *providers, *(f"{name}/{rest}" for name in providers if rest)}
+        raise UnknownComponent("llm", model, names) from None
     return model, provider, address
 
 
-def own_settings(sdk: Any) -> dict[str, Any]:
+def credential_settings(sdk: Any) -> dict[str, Any]:
     """Return the settings of litellm that can hold a user's credentials."""
-    found = {name: value for name, value in vars(sdk).items() if isinstance(value, str)}
-    return found | {"headers": sdk.headers or {}}
+    texts = {name: value for name, value in vars(sdk).items() if isinstance(value, str)}
+    return texts | {"headers": sdk.headers or {}}
 
 
-def json_ability(sdk: ModuleType, model: str) -> str:
-    """Return `schema` if a model takes a JSON schema, `mode` if it has a JSON mode, else an empty string."""
+def json_ability(sdk: ModuleType, model: str) -> JsonAbility | None:
+    """Return `schema` if a model takes a JSON schema, `mode` if it has a JSON mode, else `None`."""
     if sdk.supports_response_schema(model=model):
         return "schema"
     parameters = sdk.get_supported_openai_params(model=model) or ()
-    return "mode" if "response_format" in parameters else ""
+    return "mode" if "response_format" in parameters else None

@@ -1,6 +1,6 @@
 """Guards that make litellm's HTTP clients obey the bounds of a call, for every provider.
 
-Outside `bounded` nothing changes for other users of litellm in the same process.
+Outside `apply_bounds` nothing changes for other users of litellm in the same process.
 """
 
 import socket
@@ -20,8 +20,8 @@ import httpx
 
 from oodscen._redaction import redact
 from oodscen.llm._remote.call_bounds import (
-    HEAD,
-    KEPT,
+    KEPT_BYTES,
+    MAX_HEAD_BYTES,
     BoundReached,
     CallBounds,
     active,
@@ -49,14 +49,14 @@ def responds(url: str, timeout_s: float) -> bool:
 
     Nothing secret is sent, so its certificate is not verified, and the page itself is not read.
     """
-    asked = httpx.URL(url)
-    page = httpx.URL(scheme=asked.scheme, host=asked.host, port=asked.port, path="/")
-    with apply_bounds(CallBounds(timeout_s, HEAD)) as bounds:
-        try:
-            with guard(httpx.Client(verify=False, timeout=timeout_s)) as client:
-                client.send(client.build_request("GET", page), stream=True).close()
-        except (httpx.HTTPError, BoundReached):
-            pass
+    server = httpx.URL(url)
+    page = httpx.URL(scheme=server.scheme, host=server.host, port=server.port, path="/")
+    with (
+        apply_bounds(CallBounds(timeout_s, MAX_HEAD_BYTES)) as bounds,
+        suppress(httpx.HTTPError, BoundReached),
+        guard(httpx.Client(verify=False, timeout=timeout_s)) as client,
+    ):
+        client.send(client.build_request("GET", page), stream=True).close()
     return bounds.status is not None
 
 
@@ -73,9 +73,9 @@ def guard(client: httpx.Client) -> httpx.Client:
         if proxy is not None and not isinstance(proxy, _Tunnel):
             client._mounts[pattern] = _Tunnel(proxy, client._transport)
     hooks = client.event_hooks
-    if _watch not in hooks["response"]:
-        hooks["request"].append(_ask_for_plain_text)
-        hooks["response"].append(_watch)
+    if _check_response not in hooks["response"]:
+        hooks["request"].append(_prepare_request)
+        hooks["response"].append(_check_response)
         client.event_hooks = hooks
     return client
 
@@ -105,22 +105,22 @@ def install(handlers: ModuleType, openai: ModuleType) -> None:
     openai.BaseOpenAILLM._get_sync_http_client = staticmethod(get_sync_http_client)
 
 
-def _ask_for_plain_text(request: httpx.Request) -> None:
+def _prepare_request(request: httpx.Request) -> None:
     if (bounds := active()) is not None:
         bounds.note_request(str(request.url))
         # The size of compressed data is unknown until it is unpacked.
         request.headers["accept-encoding"] = "identity"
 
 
-def _watch(response: httpx.Response) -> None:
+def _check_response(response: httpx.Response) -> None:
     bounds = active()
     if bounds is None:
         return
     bounds.status = response.status_code
     if response.has_redirect_location:
-        target = _target(response)
-        bounds.stop("redirect", target)
-        raise httpx.RemoteProtocolError(f"the server redirects to {target}")
+        address = _redirect_address(response)
+        bounds.stop("redirect", address)
+        raise httpx.RemoteProtocolError(f"the server redirects to {address}")
     encoding = response.headers.get("content-encoding", "identity").strip().casefold()
     if encoding != "identity":
         bounds.head = _inflated(_beginning(response))
@@ -130,12 +130,12 @@ def _watch(response: httpx.Response) -> None:
     size = int(announced) if announced.isdecimal() else 0
     if size > bounds.size:
         bounds.head = _beginning(response)
-    bounds.refuse(size)
+    bounds.check_size(size)
     if isinstance(response.stream, httpx.SyncByteStream):
         response.stream = _CountedStream(response.stream, bounds)
 
 
-def _target(response: httpx.Response) -> str:
+def _redirect_address(response: httpx.Response) -> str:
     """Return the address of a redirect without what may hold a credential: its user, password and query."""
     try:
         # Redacted first: a key in the place of a host is in lower case in the joined address.
@@ -147,17 +147,17 @@ def _target(response: httpx.Response) -> str:
 
 def _beginning(response: httpx.Response) -> bytes:
     """Return the beginning of a body that is about to be refused; a slow server does not delay the refusal."""
-    beginning = CallBounds(BEGINNING_S, KEPT)
+    beginning = CallBounds(BEGINNING_S, KEPT_BYTES)
     with apply_bounds(beginning), suppress(httpx.HTTPError, BoundReached):
         for chunk in response.iter_raw():
-            beginning.count(chunk)
+            beginning.note_chunk(chunk)
     return beginning.head
 
 
 def _inflated(data: bytes) -> bytes:
     """Return the beginning of gzip or zlib data in plain, or any other data as it is."""
     try:
-        return zlib.decompressobj(zlib.MAX_WBITS | 32).decompress(data, KEPT)
+        return zlib.decompressobj(zlib.MAX_WBITS | 32).decompress(data, KEPT_BYTES)
     except zlib.error:
         return data
 
@@ -178,8 +178,8 @@ class _Tunnel(httpx.BaseTransport):
         url = request.url
         if is_offline() or url.scheme != "https" or is_loopback(str(url)):
             return self._direct.handle_request(request)
-        asked = getattr(getattr(self._proxy, "_pool", None), "_proxy_url", None)
-        if getattr(asked, "scheme", b"http") == b"https":
+        proxy_url = getattr(getattr(self._proxy, "_pool", None), "_proxy_url", None)
+        if getattr(proxy_url, "scheme", b"http") == b"https":
             # TLS within TLS is read in records, on which no time limit can be set.
             bounds.stop("proxy")
             raise httpx.ProxyError("a proxy is asked over http:// only")
@@ -190,13 +190,15 @@ class _Tunnel(httpx.BaseTransport):
 
 
 class _CountedStream(httpx.SyncByteStream):
+    """A body whose bytes are counted against the bounds of its call."""
+
     def __init__(self, inner: httpx.SyncByteStream, bounds: CallBounds) -> None:
         self._inner = inner
         self._bounds = bounds
 
     def __iter__(self) -> Iterator[bytes]:
         for chunk in self._inner:
-            self._bounds.count(chunk)
+            self._bounds.note_chunk(chunk)
             yield chunk
 
     def close(self) -> None:
@@ -204,6 +206,8 @@ class _CountedStream(httpx.SyncByteStream):
 
 
 class _Stream(httpcore.NetworkStream):
+    """A connection whose reads and writes end when a bound of the call is reached."""
+
     def __init__(self, inner: httpcore.NetworkStream) -> None:
         self._inner = inner
 
@@ -218,16 +222,16 @@ class _Stream(httpcore.NetworkStream):
             try:
                 data = self._inner.read(max_bytes, min(left, bounds.pace_s))
             except httpcore.ReadTimeout:
-                if left > bounds.pace_s and not bounds.endure():
+                if left > bounds.pace_s and not bounds.keeps_waiting():
                     raise
             else:
-                bounds.heard(len(data))
+                bounds.note_received(len(data))
                 return data
 
     def write(self, buffer: bytes, timeout: float | None = None) -> None:
         view = memoryview(buffer)
         for start in range(0, len(view), PIECE):
-            self._inner.write(bytes(view[start : start + PIECE]), _left(timeout))
+            self._inner.write(bytes(view[start : start + PIECE]), _seconds_left(timeout))
 
     def close(self) -> None:
         self._inner.close()
@@ -238,13 +242,15 @@ class _Stream(httpcore.NetworkStream):
         server_hostname: str | None = None,
         timeout: float | None = None,
     ) -> httpcore.NetworkStream:
-        return _Stream(self._inner.start_tls(ssl_context, server_hostname, _left(timeout)))
+        return _Stream(self._inner.start_tls(ssl_context, server_hostname, _seconds_left(timeout)))
 
     def get_extra_info(self, info: str) -> Any:
         return self._inner.get_extra_info(info)
 
 
 class _Backend(httpcore.NetworkBackend):
+    """Opens connections, with a share of the time for each of a server's addresses."""
+
     def __init__(self, inner: httpcore.NetworkBackend) -> None:
         self._inner = inner
 
@@ -260,25 +266,27 @@ class _Backend(httpcore.NetworkBackend):
             return _Stream(
                 self._inner.connect_tcp(host, port, timeout, local_address, socket_options)
             )
-        ends = time.monotonic() + min(CONNECT_S, _left(timeout) or CONNECT_S)
+        ends = time.monotonic() + min(CONNECT_S, _seconds_left(timeout) or CONNECT_S)
         addresses = _addresses(host, port, ends - time.monotonic())
-        failed: Exception = httpcore.ConnectTimeout(f"{host} was not reached in time")
-        for number, address in enumerate(addresses):
-            share = (ends - time.monotonic()) / (len(addresses) - number)
-            if share <= 0:
+        failure: Exception = httpcore.ConnectTimeout(f"{host} was not reached in time")
+        for index, address in enumerate(addresses):
+            share_s = (ends - time.monotonic()) / (len(addresses) - index)
+            if share_s <= 0:
                 break
             try:
                 return _Stream(
-                    self._inner.connect_tcp(address, port, share, local_address, socket_options)
+                    self._inner.connect_tcp(address, port, share_s, local_address, socket_options)
                 )
             except (httpcore.ConnectError, httpcore.ConnectTimeout) as error:
-                failed = error
-        raise failed
+                failure = error
+        raise failure
 
     def connect_unix_socket(
         self, path: str, timeout: float | None = None, socket_options: Iterable[Any] | None = None
     ) -> httpcore.NetworkStream:
-        return _Stream(self._inner.connect_unix_socket(path, _left(timeout), socket_options))
+        return _Stream(
+            self._inner.connect_unix_socket(path, _seconds_left(timeout), socket_options)
+        )
 
     def sleep(self, seconds: float) -> None:
         self._inner.sleep(seconds)
@@ -286,18 +294,18 @@ class _Backend(httpcore.NetworkBackend):
 
 def _addresses(host: str, port: int, seconds: float) -> list[str]:
     """Return the addresses of a host within a time limit, which the system's look-up lacks."""
-    found: SimpleQueue[list[str] | Exception] = SimpleQueue()
+    results: SimpleQueue[list[str] | Exception] = SimpleQueue()
 
-    def look() -> None:
+    def look_up() -> None:
         try:
             lines = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
-            found.put(list(dict.fromkeys(str(line[4][0]) for line in lines)))
+            results.put(list(dict.fromkeys(str(line[4][0]) for line in lines)))
         except (OSError, UnicodeError) as error:
-            found.put(error)
+            results.put(error)
 
-    threading.Thread(target=copy_context().run, args=(look,), daemon=True).start()
+    threading.Thread(target=copy_context().run, args=(look_up,), daemon=True).start()
     try:
-        result = found.get(timeout=seconds)
+        result = results.get(timeout=seconds)
     except Empty:
         raise httpcore.ConnectTimeout(f"the address of {host} was not found in time") from None
     if isinstance(result, Exception):
@@ -305,7 +313,12 @@ def _addresses(host: str, port: int, seconds: float) -> list[str]:
     return result
 
 
-def _left(timeout: float | None) -> float | None:
+def _seconds_left(timeout: float | None) -> float | None:
+    """Return the seconds that a step of the call may take; outside calls, the timeout itself.
+
+    Raises:
+        httpcore.ReadTimeout: If the time of the call is up.
+    """
     bounds = active()
     if bounds is None:
         return timeout

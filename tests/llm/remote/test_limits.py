@@ -61,7 +61,7 @@ def test_what_is_under_way_counts_at_what_it_may_cost(calls):
             under_way.append((most, min(used, most)))
         if len(under_way) > 3:
             most, used = under_way.pop(0)
-            budget.settle(Spent(1, most), Spent(1, used))
+            budget.settle(Spent(1, most), Spent(1, used), 0)
         assert budget.spent.tokens <= 200
 
 
@@ -151,14 +151,14 @@ def test_the_window_halves_once_per_wave_of_refusals_and_grows_with_answers():
     endpoint = Endpoint("e", concurrency=16, clock=clock)
     clock.now = 1.0
     for _ in range(10):
-        endpoint.failed(of_kind("limit", retry_after=3.0), begun=0.5)
+        endpoint.note_failed_attempt(of_kind("limit", retry_after=3.0), begun=0.5)
     assert endpoint.window == 8.0
     assert endpoint.pause() == 3.0
     clock.now = 2.0
-    endpoint.failed(of_kind("limit"), begun=1.5)
+    endpoint.note_failed_attempt(of_kind("limit"), begun=1.5)
     assert endpoint.window == 4.0
     for _ in range(400):
-        endpoint.succeeded()
+        endpoint.note_answer()
     assert endpoint.window == 16.0
 
 
@@ -167,7 +167,7 @@ def test_it_never_closes():
     endpoint = Endpoint("e", concurrency=4, clock=clock)
     for second in range(1, 20):
         clock.now = float(second)
-        endpoint.failed(of_kind("limit"), begun=second - 0.5)
+        endpoint.note_failed_attempt(of_kind("limit"), begun=second - 0.5)
     assert endpoint.window == 1.0
     with endpoint.slot():
         pass
@@ -231,9 +231,9 @@ def test_one_answer_is_enough_to_go_on():
     endpoint = Endpoint("e", clock=clock)
     for second in range(0, 200, 30):
         clock.now = float(second)
-        endpoint.failed(of_kind("unreachable"), begun=clock.now)
-        endpoint.given_up(of_kind("unreachable"))
-        endpoint.succeeded()
+        endpoint.note_failed_attempt(of_kind("unreachable"), begun=clock.now)
+        endpoint.note_failed_call(of_kind("unreachable"))
+        endpoint.note_answer()
     endpoint.check()
 
 
@@ -279,7 +279,7 @@ def test_those_who_wait_for_a_place_are_told():
     with endpoint.slot():
         thread = threading.Thread(target=wait)
         thread.start()
-        endpoint.failed(of_kind("denied"), begun=0.0)
+        endpoint.note_failed_attempt(of_kind("denied"), begun=0.0)
         thread.join(5)
     assert told == ["down"]
 
@@ -287,8 +287,8 @@ def test_those_who_wait_for_a_place_are_told():
 def calls_until_given_up(endpoint, kind, most=200):
     """Give up one call after the other; return how many it took, `most` if it never was enough."""
     for count in range(1, most):
-        endpoint.failed(of_kind(kind), begun=0.0, model="bad")
-        endpoint.given_up(of_kind(kind), "bad")
+        endpoint.note_failed_attempt(of_kind(kind), begun=0.0, model="bad")
+        endpoint.note_failed_call(of_kind(kind), "bad")
         try:
             endpoint.check("bad")
         except EndpointDown:
@@ -354,9 +354,9 @@ def test_silence_counts_from_the_last_response_of_anybody(events):
     for event in events:
         begun, clock.now = clock.now - 5.0, clock.now + 15.0
         if event == "answer":
-            endpoint.succeeded()
+            endpoint.note_answer()
         else:
-            endpoint.failed(of_kind(event), begun)
+            endpoint.note_failed_attempt(of_kind(event), begun)
         if event == "unreachable":
             waiting.append(begun)
         else:

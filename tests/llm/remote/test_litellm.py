@@ -231,7 +231,11 @@ def test_a_filter_is_known_by_its_words(words):
     error.status_code = 400
     error.args = (f"Error: {words}",)
     failure = diagnose("m", error, CallBounds(1, 1))
-    assert (failure.kind, failure.retryable, failure.may_refuse_form) == ("filtered", False, False)
+    assert (failure.kind, failure.retryable, failure.may_refuse_format) == (
+        "filtered",
+        False,
+        False,
+    )
 
 
 def test_what_hangs_is_tried_once_more_and_no_oftener():

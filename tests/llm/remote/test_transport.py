@@ -155,7 +155,7 @@ def test_a_late_answer_of_a_server_that_is_there_is_no_silence():
 
 
 def test_an_interruption_ends_what_is_under_way(monkeypatch):
-    monkeypatch.setattr("oodscen.llm._remote.call_bounds.LOOK_S", 0.01)
+    monkeypatch.setattr("oodscen.llm._remote.call_bounds.INTERRUPTION_CHECK_S", 0.01)
     now = [0.0]
     limits = Limits(clock=lambda: now[0])
 
