@@ -51,7 +51,8 @@ def props(
     from oodscen._registry import make_simulator
     from oodscen.data._details import DetailKinds
     from oodscen.stages._making.files import read_props
-    from oodscen.stages._making.looking import look_at, look_at_details, sheet
+    from oodscen.stages._making.looking import look_at, look_at_details
+    from oodscen.stages._making.sheet import sheet
 
     if (where is None) != details:
         raise click.UsageError("give WHERE, or --details without it")

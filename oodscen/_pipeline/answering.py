@@ -23,33 +23,33 @@ def add_answers(study: Study, files: Sequence[Path]) -> tuple[str, ...]:
         DataError: When a file holds no answers to a quiz, or not to this study's.
         UsageError: When two files are of one name.
     """
-    given: dict[str, QuizAnswers] = {}
+    answers: dict[str, QuizAnswers] = {}
     for file in files:
-        one = _read(study, file)
-        if one.id in given:
-            raise UsageError(f"{file} holds answers of {one.id!r}, as does another file; give one")
-        given[one.id] = one
-    if given:
-        lines = study.store.lines(PEOPLE)
-        others = [line for line in lines if as_name(line["id"]) not in given]
-        study.store.write_lines(PEOPLE, [*others, *given.values()])
-    return tuple(given)
+        quiz = _read(study, file)
+        if quiz.id in answers:
+            raise UsageError(f"{file} holds answers of {quiz.id!r}, as does another file; give one")
+        answers[quiz.id] = quiz
+    if answers:
+        others = [line for line in study.store.lines(PEOPLE) if as_name(line["id"]) not in answers]
+        study.store.write_lines(PEOPLE, [*others, *answers.values()])
+    return tuple(answers)
 
 
 def _read(study: Study, file: Path) -> QuizAnswers:
     """Return the answers of a file to the drives of a study."""
-    given = QuizAnswers.load(file)
-    person = PersonAnswers.matched(given, study.episodes, str(file))
-    listed = {
+    quiz = QuizAnswers.load(file)
+    answers = PersonAnswers.matched(quiz, study.episodes, str(file)).items
+    options = {
         drive.episode.scene_id: {kind.id for kind in drive.options} for drive in asked_drives(study)
     }
-    if issues := [
-        Issue("choice", f"{said.choice!r:.80} is none of the kinds listed for {said.item}")
-        for drive, said in person.items.items()
-        if said.choice is not None and drive in listed and said.choice not in listed[drive]
-    ]:
+    issues = [
+        Issue("choice", f"{answer.choice!r:.80} is none of the kinds listed for {answer.item}")
+        for drive, answer in answers.items()
+        if answer.choice is not None and drive in options and answer.choice not in options[drive]
+    ]
+    if issues:
         raise DataError(QuizAnswers.noun, issues, source=str(file))
-    return given
+    return quiz
 
 
 def rear_views(study: Study, episodes: Sequence[Episode], options: RunOptions) -> dict[str, str]:

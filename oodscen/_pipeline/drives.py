@@ -88,7 +88,7 @@ def drive_all(
                 except RunStopped:
                     raise
                 except Exception as error:
-                    yield _failed(job.driver, futures[future], error)
+                    yield _failed_results(job.driver, futures[future], error)
 
 
 def _drive_here(
@@ -96,10 +96,10 @@ def _drive_here(
 ) -> Iterator[Results]:
     with redirect_stdout(sys.stderr):
         makers = {name: driver_maker(name) for name in drivers}
-    with using(make_simulator(simulator)) as made:
+    with using(make_simulator(simulator)) as shared:
         for name, scene in product(drivers, scenes):
             with redirect_stdout(sys.stderr):
-                results = drive([scene], makers[name], made, name=name, seed=seed)
+                results = drive([scene], makers[name], shared, name=name, seed=seed)
             yield results
 
 
@@ -107,19 +107,19 @@ def _prepare_in(pool: Processes, job: DriveJob, time_limit_s: float | None) -> N
     """Make the driver and the simulator in one of the processes, so that errors appear before any drive."""
     pool.limit_s = None if time_limit_s is None else max(time_limit_s, MAKING_S)
     try:
-        pool.submit(_prepare, job).result()
+        pool.submit(_prepare_worker, job).result()
     except BrokenExecutor as error:
         raise UsageError(f"the driver {job.driver!r} cannot be made: {error}") from None
     pool.limit_s = time_limit_s
 
 
-def _prepare(job: DriveJob) -> None:
-    _tools(job)
+def _prepare_worker(job: DriveJob) -> None:
+    _simulator_and_maker(job)
 
 
 @lru_cache(maxsize=1)
-def _tools(job: DriveJob) -> tuple[Simulator, MakeDriver]:
-    """Return the simulator of this worker and the maker of its drivers."""
+def _simulator_and_maker(job: DriveJob) -> tuple[Simulator, MakeDriver]:
+    """Return the simulator of this worker and the maker of its drivers, which it makes once."""
     os.dup2(sys.stderr.fileno(), 1)
     make = driver_maker(job.driver)
     simulator = make_simulator(job.simulator)
@@ -129,11 +129,11 @@ def _tools(job: DriveJob) -> tuple[Simulator, MakeDriver]:
 
 def _drive_one(job: DriveJob, scene: Scene) -> Results:
     """Drive a scene and its twin, inside a worker."""
-    simulator, make = _tools(job)
+    simulator, make = _simulator_and_maker(job)
     return drive([scene], make, simulator, name=job.driver, seed=job.seed)
 
 
-def _failed(name: str, scene: Scene, error: Exception) -> Results:
+def _failed_results(name: str, scene: Scene, error: Exception) -> Results:
     """Return the failed results of a scene and its twin."""
-    dead = [failed_drive(one, name, error) for one in (scene.id, twin_id(scene.id))]
-    return [result.model_copy(update={"made_from": scene.digest()}) for result in dead]
+    failed = [failed_drive(drive_id, name, error) for drive_id in (scene.id, twin_id(scene.id))]
+    return [result.model_copy(update={"made_from": scene.digest()}) for result in failed]

@@ -1,6 +1,7 @@
 """Removing judged models from a study."""
 
-from collections.abc import Collection, Sequence
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 from oodscen._pipeline.steps.aspects import judged
@@ -43,58 +44,91 @@ def drop_models(study: Study, names: Sequence[str]) -> dict[str, int]:
 
 def _drop(study: Study, names: Sequence[str]) -> dict[str, int]:
     config, verdicts = study.config, study.stored_verdicts
-    names_by_entry = {name: _name_in_verdicts(name, config) for name in config.vlms}
-    names_by_entry |= {
-        without_pictures(name): called and without_pictures(called)
-        for name, called in tuple(names_by_entry.items())
-        if name in config.withheld
-    }
+    answerers = _answerers(config)
     # A person's name may be typed in another form of the same characters.
     names = [as_name(name) if is_person(name) else name for name in names]
-    names_by_entry |= {person(name): person(name) for name in config.people}
-    called = {name: other or name for name, other in names_by_entry.items()}
-    known = {*called, *called.values(), *({verdict.model for verdict in verdicts} - {*ALWAYS})}
+    _refuse_unknown(names, answerers, verdicts)
+    dropped = _dropped_entries(names, answerers)
+    models = _dropped_models(names, dropped, answerers, verdicts)
+    remaining = [verdict for verdict in verdicts if verdict.model not in models]
+    refuse_stale_verdicts(study, remaining)
+    people = tuple(name for name in config.people if person(name) not in models)
+    config = _remaining(config, dropped).model_copy(update={"people": people})
+    info = _recounted(study, config, remaining)
+    study.check()
+    board = leaderboard(remaining, study.episodes, study.scenarios, seed=config.seed)
+    study.store.write("study.json", canonical_json(info) + "\n")
+    study.store.write_lines("verdicts.jsonl", remaining)
+    study.store.write("leaderboard.json", canonical_json(board.model_dump(mode="json")) + "\n")
+    write_report(study)
+    counts = Counter(verdict.model for verdict in verdicts if verdict.model in models)
+    return {name: counts[answerers.get(name) or name] for name in names}
+
+
+def _answerers(config: StudyConfig) -> dict[str, str | None]:
+    """Return the name in verdicts of every judged answerer, by its name in the configuration.
+
+    It is `None` for a model that can no longer be made.
+    """
+    answerers = {name: _name_in_verdicts(name, config) for name in config.vlms}
+    for name in config.withheld:
+        if name in config.vlms:
+            model = answerers[name]
+            answerers[without_pictures(name)] = without_pictures(model) if model else None
+    answerers |= {person(name): person(name) for name in config.people}
+    return answerers
+
+
+def _refuse_unknown(
+    names: Iterable[str], answerers: Mapping[str, str | None], verdicts: Iterable[Verdict]
+) -> None:
+    """Refuse names under which nothing was judged.
+
+    Raises:
+        UnknownComponent: If there is one.
+    """
+    judged_names = {verdict.model for verdict in verdicts} - {*ALWAYS}
+    known = {*answerers, *filter(None, answerers.values()), *judged_names}
     for name in names:
         if name not in known:
             raise UnknownComponent("judged model", name, known)
-    dropped = {name for name in called if name in names or called[name] in names}
-    dropped |= {blind for name in dropped if (blind := without_pictures(name)) in called}
-    models = {called.get(name, name) for name in (*names, *dropped)}
-    if all(names_by_entry[name] for name in called if name not in dropped):
-        # A model that can no longer be made may have judged under another name, so drop every
-        # verdict that no remaining model accounts for.
-        judging = {called[name] for name in called if name not in dropped}
-        models |= {verdict.model for verdict in verdicts} - judging
-    models -= {*ALWAYS}
-    kept = [verdict for verdict in verdicts if verdict.model not in models]
-    refuse_stale_verdicts(study, kept)
-    counts = {
-        name: sum(
-            verdict.model in models and verdict.model == called.get(name, name)
-            for verdict in verdicts
-        )
-        for name in names
-    }
-    people = tuple(name for name in config.people if person(name) not in models)
-    config = _remaining(config, dropped).model_copy(update={"people": people})
-    info = _recounted(study, config, kept)
-    study.check()
-    board = leaderboard(kept, study.episodes, study.scenarios, seed=config.seed)
-    study.store.write("study.json", canonical_json(info) + "\n")
-    study.store.write_lines("verdicts.jsonl", kept)
-    study.store.write("leaderboard.json", canonical_json(board.model_dump(mode="json")) + "\n")
-    write_report(study)
-    return counts
+
+
+def _dropped_entries(names: Collection[str], answerers: Mapping[str, str | None]) -> set[str]:
+    """Return the names in the configuration that are dropped, with the answers without pictures of each."""
+    dropped = {entry for entry, model in answerers.items() if entry in names or model in names}
+    return dropped | {without_pictures(entry) for entry in dropped} & answerers.keys()
+
+
+def _dropped_models(
+    names: Collection[str],
+    dropped: Collection[str],
+    answerers: Mapping[str, str | None],
+    verdicts: Iterable[Verdict],
+) -> set[str]:
+    """Return the names in verdicts that are dropped.
+
+    A model that can no longer be made may have judged under another name. Where all remaining models can be made,
+    every verdict is dropped that none of them accounts for.
+    """
+    models = {answerers.get(name) or name for name in (*names, *dropped)}
+    remaining = [model for entry, model in answerers.items() if entry not in dropped]
+    if all(remaining):
+        models |= {verdict.model for verdict in verdicts} - {*remaining}
+    return models - {*ALWAYS}
 
 
 def _remaining(config: StudyConfig, dropped: Collection[str]) -> StudyConfig:
     """Return a configuration without the dropped models and the servers that only they use."""
     asked = config.model_copy(update={"vlms": ()}).models
-    withheld = (name for name in config.withheld if not {name, without_pictures(name)} & {*dropped})
     changes = {
         "vlms": tuple(name for name in config.vlms if name not in dropped),
-        "withheld": tuple(withheld),
-        "asked": {name: found for name, found in config.asked.items() if name not in dropped},
+        "withheld": tuple(
+            name
+            for name in config.withheld
+            if name not in dropped and without_pictures(name) not in dropped
+        ),
+        "asked": {name: judging for name, judging in config.asked.items() if name not in dropped},
         "servers": {
             name: address
             for name, address in config.servers.items()
@@ -104,18 +138,18 @@ def _remaining(config: StudyConfig, dropped: Collection[str]) -> StudyConfig:
     return config.model_copy(update=changes)
 
 
-def _recounted(study: Study, config: StudyConfig, kept: Sequence[Verdict]) -> dict[str, Any]:
+def _recounted(study: Study, config: StudyConfig, verdicts: Sequence[Verdict]) -> dict[str, Any]:
     """Return the content of `study.json` for the remaining verdicts."""
     info = {**study.info, "config": config.model_dump(mode="json")}
     if "counts" in info:
         info["counts"] = {
             **info["counts"],
-            "verdicts": len(kept),
-            "outcomes": outcomes(kept),
-            **judged(kept, study.store.lines(OPINIONS)),
+            "verdicts": len(verdicts),
+            "outcomes": outcomes(verdicts),
+            **judged(verdicts, study.store.lines(OPINIONS)),
         }
     if "failures" in info:
-        failed = sum(verdict.status == "failed" for verdict in kept)
+        failed = sum(verdict.status == "failed" for verdict in verdicts)
         info["failures"] = {**info["failures"], "verdicts": failed}
         if info.get("status") == "incomplete" and not any(info["failures"].values()):
             info["status"] = "success"

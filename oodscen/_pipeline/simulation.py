@@ -34,32 +34,32 @@ class Simulation:
     def __init__(self, store: Store, job: Job, scenes: Sequence[Scene], *, workers: int) -> None:
         self._store, self._job, self._scenes, self._workers = store, job, scenes, workers
         settings = {"job": asdict(job), "scenes": digest([scene.digest() for scene in scenes])}
-        taken = [name for name in (SETTINGS, *_RESULTS) if store.path(name).exists()]
+        existing = [name for name in (SETTINGS, *_RESULTS) if store.path(name).exists()]
         is_same = store.has(SETTINGS) and digest(store.read(SETTINGS)) == digest(settings)
-        if taken and not is_same:
-            raise FolderTaken(str(store.folder), taken)
+        if existing and not is_same:
+            raise FolderTaken(str(store.folder), existing)
         store.write_lines(SETTINGS, [settings])
 
     def run(self) -> Iterator[Episode]:
         """Yield the episodes as they finish, those of an earlier call first; each is written at once."""
-        yield from self._swept(self._job, EPISODES)
+        yield from self._episodes(self._job, EPISODES)
 
     def run_behind(self) -> Iterator[Episode]:
         """Yield the episodes of the pictures from the rear window, in the same way."""
-        yield from self._swept(replace(self._job, outputs=Outputs(), is_rear=True), REAR)
+        yield from self._episodes(replace(self._job, outputs=Outputs(), is_rear=True), REAR)
 
-    def _swept(self, job: Job, file: str) -> Iterator[Episode]:
-        done = {line["id"]: Episode.parse(line) for line in self._kept(file)}
+    def _episodes(self, job: Job, file: str) -> Iterator[Episode]:
+        done = {line["id"]: Episode.parse(line) for line in self._valid_lines(file)}
         yield from done.values()
-        left = [scene for scene in self._scenes if scene.id not in done]
-        for result in sweep(job, left, workers=self._workers):
+        waiting = [scene for scene in self._scenes if scene.id not in done]
+        for result in sweep(job, waiting, workers=self._workers):
             result.save(self._store)
             self._store.append(file, result.episode)
             done[result.episode.id] = result.episode
             yield result.episode
         self._store.write_lines(file, (done[scene.id] for scene in self._scenes))
 
-    def _kept(self, file: str) -> Iterator[Mapping[str, Any]]:
+    def _valid_lines(self, file: str) -> Iterator[Mapping[str, Any]]:
         """Yield the lines of an earlier call whose files are there; episodes that failed are run again."""
         for line in self._store.lines(file):
             if line.get("status") != "failed" and has_files(self._store, line):

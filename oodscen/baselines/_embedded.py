@@ -9,7 +9,7 @@
 
 import hashlib
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from oodscen._display import Brief
 from oodscen._files import read_utf8, refuse_special, replace, writing
 from oodscen._json import parse_object
+from oodscen.baselines._texts import fault_of, refuse
 from oodscen.encoders._check import dimension, encode
 from oodscen.errors import DataError, Issue, MissingExtra, UsageError
 from oodscen.protocols import Encoder
@@ -57,7 +58,7 @@ class EmbeddedBaseline(Brief):
         block = np.array(self._rows[rows], np.float32)
         squared = np.einsum("ij,ij->i", block, block, dtype=np.float64)
         if not np.isfinite(squared).all():
-            first = (rows.start or 0) + int(np.isfinite(squared).argmin())
+            first = rows.indices(len(self))[0] + int(np.isfinite(squared).argmin())
             fault = "is not finite; write the embeddings again"
             raise DataError("embeddings", [Issue(f"row {first}", fault)], source=str(self.path))
         lengths = np.sqrt(squared)[:, None].astype(np.float32)
@@ -66,10 +67,10 @@ class EmbeddedBaseline(Brief):
 
     def digest(self) -> str:
         """Return a SHA-256 of the name, the size and the first and last rows, without reading the whole file."""
-        found = hashlib.sha256(f"{self.encoder} {len(self)} {self.dimension}".encode())
+        sha256 = hashlib.sha256(f"{self.encoder} {len(self)} {self.dimension}".encode())
         for rows in (slice(0, 16), slice(max(len(self) - 16, 0), len(self))):
-            found.update(self[rows].tobytes())
-        return found.hexdigest()
+            sha256.update(self[rows].tobytes())
+        return sha256.hexdigest()
 
 
 def write_embeddings(path: str | Path, encoder: Encoder, texts: Iterable[str]) -> int:
@@ -78,21 +79,22 @@ def write_embeddings(path: str | Path, encoder: Encoder, texts: Iterable[str]) -
     The file is replaced only after all texts are written; texts are read once and not kept.
 
     Raises:
+        DataError: If there is no text, or with one issue per value that is not a usable text.
         OodscenError: If the file cannot be written.
     """
     file = Path(path)
     if file.suffix != ".npy":
         raise UsageError(f"embeddings are written as .npy, not as {file.name}")
-    source, count = iter(texts), 0
+    count = 0
     with writing(file), TemporaryDirectory(dir=file.parent, prefix=".oodscen-") as folder:
-        part, whole = Path(folder, "rows"), Path(folder, "whole")
-        with part.open("wb") as stream:
-            while batch := list(islice(source, _BATCH)):
+        headless, whole = Path(folder, "rows"), Path(folder, "whole")
+        with headless.open("wb") as stream:
+            for batch in _batches(texts):
                 encode(encoder, batch).tofile(stream)
                 count += len(batch)
         length = dimension(encoder)
         header = {"descr": "<f4", "fortran_order": False, "shape": (count, length)}
-        with whole.open("wb") as stream, part.open("rb") as rows:
+        with whole.open("wb") as stream, headless.open("rb") as rows:
             np.lib.format.write_array_header_1_0(stream, header)
             while block := rows.read(1 << 24):
                 stream.write(block)
@@ -100,6 +102,24 @@ def write_embeddings(path: str | Path, encoder: Encoder, texts: Iterable[str]) -
     about = {"encoder": encoder.name, "n": count, "dimension": length}
     replace(_about(file), f"{json.dumps(about)}\n".encode())
     return count
+
+
+def _batches(texts: Iterable[str]) -> Iterator[list[str]]:
+    """Yield usable texts, as many at a time as are encoded together.
+
+    Raises:
+        DataError: If there is none, or a value is not a usable text.
+    """
+    if isinstance(texts, str | bytes):
+        raise DataError("text set", [Issue("", "is one string, not a sequence of texts")])
+    source, start = iter(texts), 0
+    while batch := list(islice(source, _BATCH)):
+        faults = enumerate(map(fault_of, batch), start=start)
+        refuse("text set", [Issue(f"[{index}]", fault) for index, fault in faults if fault])
+        yield batch
+        start += len(batch)
+    if not start:
+        raise DataError("text set", [Issue("", "holds no text")])
 
 
 def open_embeddings(path: str | Path, encoder: Encoder) -> EmbeddedBaseline:
@@ -174,7 +194,16 @@ def _arrow(file: Path) -> tuple[Any, str]:
     except (OSError, KeyError, AttributeError, ValueError, pa.ArrowInvalid) as error:
         fault = f"is not an Arrow file with a column `vector` and an encoder's name: {error}"
         raise DataError("embeddings", [Issue("", fault)], source=str(file)) from None
+    fault = ""
     if value != "float":
         fault = f"holds vectors of {value}, not float32"
+    elif _has_nulls(table.column("vector")):
+        fault = "holds nulls"
+    if fault:
         raise DataError("embeddings", [Issue("vector", fault)], source=str(file))
     return _ArrowRows(table, width), maker
+
+
+def _has_nulls(column: Any) -> bool:
+    """Return whether a vector of a column, or one of their values, is null."""
+    return any(chunk.null_count or chunk.values.null_count for chunk in column.chunks)

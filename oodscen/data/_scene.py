@@ -31,6 +31,8 @@ MAX_TRIGGER = 500
 """Largest value of a trigger, s or m."""
 MAX_SPEED = 45
 """Highest speed of the ego, m/s."""
+MAX_ACTORS = 400
+"""Largest number of actors of a scene."""
 LONGEST_HORIZON_S = 60.0
 """Longest time for which an action is watched, s."""
 
@@ -214,7 +216,7 @@ class Scene(LeanData, SceneUses):
     """Id of a map in the catalogue, or the path of an OpenDRIVE file."""
     ego: Ego
     weather: Weather = Weather()
-    actors: tuple[Actor, ...] = Field(default=(), max_length=400)
+    actors: tuple[Actor, ...] = Field(default=(), max_length=MAX_ACTORS)
     hazard: Hazard
     decision: Trigger
     """The ego's moment of choice; a trigger by distance or time to collision must name its actor."""

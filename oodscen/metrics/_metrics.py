@@ -391,6 +391,10 @@ class Metrics(Brief):
 
         Returns:
             The number of texts.
+
+        Raises:
+            DataError: If there is no text, or a value is not a usable text.
+            OodscenError: If the file cannot be written.
         """
         return write_embeddings(path, self.encoder, texts)
 

@@ -15,12 +15,13 @@ from oodscen._study_files import refuse_own
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
+from oodscen.driving._frames import own_frame
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import DRIVABLE, Corridor
 from oodscen.driving._roads.projection import places
-from oodscen.driving._sight.scene_checks import bodies
+from oodscen.driving._sight.scene_checks import PlacedBody, bodies
 from oodscen.driving._sight.visibility import Eye, area, clipped
-from oodscen.errors import MissingExtra, UsageError
+from oodscen.errors import MissingExtra, SimulatorError, UsageError
 from oodscen.protocols import Camera, Frame, State, camera_for
 
 CLASSES: dict[str, int] = {
@@ -128,13 +129,13 @@ class FrameAnnotations(Data):
         """
         state_of(scene, state)
         camera = camera_for(catalogue, camera)
-        _check_frame(frame, camera)
+        frame = _checked(frame, camera, len(state.ids))
         cast = bodies(scene, catalogue, state.poses)
         assets = {asset.id: asset for asset in catalogue.for_scene(scene).assets}
         # By the value in `Frame.ids`: 0 is no body, 1 the ego, then the actors in order.
-        table = [CLASSES["scenery"], CLASSES["ego"]]
-        table += [CLASSES[assets[body.asset].category] for body in cast[1:]]
-        classes: NDArray[np.uint8] = np.array(table, np.uint8)[frame.ids]
+        by_id = [CLASSES["scenery"], CLASSES["ego"]]
+        by_id += [CLASSES[assets[body.asset].category] for body in cast[1:]]
+        classes: NDArray[np.uint8] = np.array(by_id, np.uint8)[frame.ids]
         classes[(frame.ids == 0) & ~np.isfinite(frame.depth)] = CLASSES["sky"]
         eye = Eye(camera, cast[0].solid)
         rows, columns = np.nonzero((frame.ids == 0) & np.isfinite(frame.depth))
@@ -193,25 +194,16 @@ class FrameAnnotations(Data):
         }
 
 
-def _check_frame(frame: Frame, camera: Camera) -> None:
-    """Refuse a frame that another camera has rendered.
+def _checked(frame: Frame, camera: Camera, bodies: int) -> Frame:
+    """Return a frame whose arrays are those of the camera's picture of so many bodies.
 
     Raises:
-        UsageError: If its arrays have another size than the camera's picture, or its ids are no whole numbers.
+        UsageError: If they are not.
     """
-    size = (camera.height, camera.width)
-    arrays = {
-        "rgb": (frame.rgb, (*size, 3)),
-        "depth": (frame.depth, size),
-        "ids": (frame.ids, size),
-    }
-    for name, (array, shape) in arrays.items():
-        if (found := getattr(array, "shape", None)) != shape:
-            raise UsageError(
-                f"frame: {name} has the shape {found}, not {shape}; name the camera that rendered it"
-            )
-    if not np.issubdtype(frame.ids.dtype, np.integer):
-        raise UsageError(f"frame: ids must be whole numbers, not {frame.ids.dtype}")
+    try:
+        return own_frame(frame, camera, bodies, "frame: the simulator")
+    except SimulatorError as error:
+        raise UsageError(f"{error}; name the camera that rendered it, and its scene") from None
 
 
 @checked
@@ -221,40 +213,22 @@ def annotate(
     """Annotate a frame; `Scene.annotate` tells arguments and errors."""
     state_of(scene, state)
     camera = camera_for(catalogue, camera)
-    _check_frame(frame, camera)
+    frame = _checked(frame, camera, len(state.ids))
     cast = bodies(scene, catalogue, state.poses)
     eye = Eye(camera, cast[0].solid)
-    assets = {asset.id: asset for asset in catalogue.for_scene(scene).assets}
-    found = []
-    for row, body in enumerate(cast[1:], start=1):
-        upright_box = body.solid
-        outline = eye.silhouette(upright_box)
-        shown = clipped(outline, camera.width, camera.height)
-        whole, inside = area(outline), area(shown)
-        count, box = _extent(frame.ids == row + 1)
-        centre = (upright_box.x, upright_box.y, upright_box.z + 0.5 * upright_box.height)
-        unhidden = None if frame.unhidden is None else int(frame.unhidden[row])
-        share = None if not unhidden else round(min(1.0, count / unhidden), 4)
-        found.append(
-            ActorAnnotation(
-                id=body.id,
-                instance=row + 1,
-                asset=body.asset,
-                category=assets[body.asset].category,
-                is_hazard=body.id in scene.hazard.actors,
-                box=box,
-                box_projected=_around(shown) if inside > 0.0 else None,
-                centre_world=_rounded(centre),
-                yaw=upright_box.yaw,
-                size=(upright_box.length, upright_box.width, upright_box.height),
-                centre_camera=_rounded(eye.to_camera(centre)),
-                visible_px=count,
-                unhidden_px=unhidden,
-                visible_share=share,
-                occlusion=None if share is None else round(1.0 - share, 4),
-                truncation=round(1.0 - inside / whole, 4) if whole > 0.0 else 1.0,
-            )
+    categories = {asset.id: asset.category for asset in catalogue.for_scene(scene).assets}
+    actors = [
+        _actor_annotation(
+            body,
+            row,
+            frame,
+            eye,
+            camera,
+            category=categories[body.asset],
+            is_hazard=body.id in scene.hazard.actors,
         )
+        for row, body in enumerate(cast[1:], start=1)
+    ]
     return FrameAnnotations(
         scene_id=scene.id,
         time=state.time,
@@ -264,7 +238,46 @@ def annotate(
         camera_position=_rounded(eye.place),
         camera_yaw=cast[0].solid.yaw,
         camera_pitch_deg=camera.pitch_deg,
-        actors=tuple(found),
+        actors=tuple(actors),
+    )
+
+
+def _actor_annotation(
+    body: PlacedBody,
+    row: int,
+    frame: Frame,
+    eye: Eye,
+    camera: Camera,
+    *,
+    category: str,
+    is_hazard: bool,
+) -> ActorAnnotation:
+    """Annotate one body, given with its row in the state."""
+    solid = body.solid
+    outline = eye.silhouette(solid)
+    in_image = clipped(outline, camera.width, camera.height)
+    outline_px, in_image_px = area(outline), area(in_image)
+    visible_px, box = _extent(frame.ids == row + 1)
+    centre = (solid.x, solid.y, solid.z + 0.5 * solid.height)
+    unhidden_px = None if frame.unhidden is None else int(frame.unhidden[row])
+    visible_share = round(min(1.0, visible_px / unhidden_px), 4) if unhidden_px else None
+    return ActorAnnotation(
+        id=body.id,
+        instance=row + 1,
+        asset=body.asset,
+        category=category,
+        is_hazard=is_hazard,
+        box=box,
+        box_projected=_around(in_image) if in_image_px > 0.0 else None,
+        centre_world=_rounded(centre),
+        yaw=solid.yaw,
+        size=(solid.length, solid.width, solid.height),
+        centre_camera=_rounded(eye.to_camera(centre)),
+        visible_px=visible_px,
+        unhidden_px=unhidden_px,
+        visible_share=visible_share,
+        occlusion=None if visible_share is None else round(1.0 - visible_share, 4),
+        truncation=round(1.0 - in_image_px / outline_px, 4) if outline_px > 0.0 else 1.0,
     )
 
 
@@ -278,9 +291,9 @@ def _points(
     """Return the world coordinates x, y, z of the points that pixels show."""
     u = (columns + 0.5 - 0.5 * camera.width) / eye.focal
     v = (rows + 0.5 - 0.5 * camera.height) / eye.focal
-    far = depth[rows, columns].astype(np.float64)
+    depth_m = depth[rows, columns].astype(np.float64)
     return [
-        eye.place[axis] + far * (eye.forward[axis] + u * eye.right[axis] + v * eye.down[axis])
+        eye.place[axis] + depth_m * (eye.forward[axis] + u * eye.right[axis] + v * eye.down[axis])
         for axis in range(3)
     ]
 
@@ -296,7 +309,7 @@ def _ground(
         index = np.clip(np.rint(s / corridor.step), 0, len(corridor.s) - 1).astype(np.intp)
         on_surface = np.abs(z[part] - corridor.z[index]) < _ON_ROAD_M
         on_surface &= (s >= 0.0) & (s <= corridor.length)
-        here = kinds[part]
+        part_kinds = kinds[part]
         for strip in corridor.strips:
             if strip.kind in DRIVABLE:
                 kind = CLASSES["road"]
@@ -304,7 +317,7 @@ def _ground(
                 kind = CLASSES["pavement"]
             else:
                 continue
-            here[on_surface & (strip.right[index] <= t) & (t < strip.left[index])] = kind
+            part_kinds[on_surface & (strip.right[index] <= t) & (t < strip.left[index])] = kind
     return kinds
 
 

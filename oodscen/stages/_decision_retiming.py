@@ -5,7 +5,7 @@ from itertools import islice
 from typing import NamedTuple
 
 from oodscen.data._claim import Claim
-from oodscen.data._scene import Scene, Trigger
+from oodscen.data._scene import MAX_TRIGGER, Scene, Trigger
 from oodscen.data._sighting import LEAST_SIZE_PX, TO_NAME, Sighting
 from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._motion.actions import Cruise
@@ -36,11 +36,14 @@ _MARGIN = 0.8
 """Share of the least size at which the outline of boxes makes a frame worth rendering."""
 
 
-class _Later(NamedTuple):
-    """A later moment at which the hazard can be named."""
+_EVERY_ACTION = "every action is safe"
+
+
+class _LaterMoment(NamedTuple):
+    """A moment after the decision at which the hazard can be named."""
 
     state: State
-    seen: Sighting
+    sighting: Sighting
 
 
 def retime(
@@ -55,43 +58,49 @@ def retime(
     are returned unchanged, with the reasons.
     """
     tried: list[Attempt] = []
-    before, catalogue = simulated.episode, rerunner.simulator.catalogue()
-    is_too_easy = bool(before.safe_set) and not before.is_decidable
-    easy: tuple[Scene, str] | None = None
+    catalogue = rerunner.simulator.catalogue()
+    was_too_easy = bool(simulated.episode.safe_set) and not simulated.episode.is_decidable
+    calm: tuple[Scene, str] | None = None
+
+    def fault_of(variant: Scene) -> str:
+        """Return why a decision that comes later does not help, or an empty string if it may."""
+        probe = rerunner.probe(variant)
+        if not probe.safe_set:
+            return "no action is safe"
+        contradicted = contradiction(claims, scene, variant, catalogue)
+        if contradicted or probe.is_decidable or was_too_easy:
+            return contradicted
+        return _EVERY_ACTION
 
     def rerun(variant: Scene, how: str) -> Restaging | None:
         """Return the variant and its rendered run, or `None` if the hazard still cannot be named."""
-        again = rerunner.run(variant, simulated)
-        if again.episode.is_below_floor:
+        run = rerunner.run(variant, simulated)
+        if run.episode.is_below_floor:
             return None
-        return Restaging(variant, again, tuple(tried)).described(how)
+        return Restaging(variant, run, tuple(tried)).described(how)
 
     for share in SLOWER if scene.ego.speed > 0.0 else SLOWER[:1]:
-        slowed, how = scene, TO_NAME
+        slowed, prefix = scene, TO_NAME
         if share < 1.0:
             slowed = _slow_ego(scene, share)
-            how += f"approach speed {scene.ego.speed:g} -> {slowed.ego.speed:g} m/s, "
-        whys: list[str] = []
+            prefix += f"approach speed {scene.ego.speed:g} -> {slowed.ego.speed:g} m/s, "
+        faults: list[str] = []
         try:
-            for variant, distance in _later(slowed, rerunner):
-                probe = rerunner.probe(variant)
-                what = f"{how}decision {_said(scene.decision)} -> {_said(variant.decision)}"
-                is_usable = probe.is_decidable or (is_too_easy and probe.safe_set)
-                why = "" if probe.safe_set else "no action is safe"
-                why = why or contradiction(claims, scene, variant, catalogue)
-                if not (is_usable or why):
-                    easy = easy or (variant, what)
-                    why = "every action is safe"
-                if why:
-                    whys.append(f"{distance:g} m away it can be named, but {why}")
-                elif done := rerun(variant, what):
-                    return done
+            for variant, distance_m in _decided_later(slowed, rerunner):
+                how = f"{prefix}decision {_words(scene.decision)} -> {_words(variant.decision)}"
+                fault = fault_of(variant)
+                if fault == _EVERY_ACTION:
+                    calm = calm or (variant, how)
+                if fault:
+                    faults.append(f"{distance_m:g} m away it can be named, but {fault}")
+                elif restaging := rerun(variant, how):
+                    return restaging
         except OodscenError as error:
-            whys.append(fault_of_run(error))
-        why = whys[0] if whys else "the hazard cannot be named before the ego reaches it"
-        tried.append(Attempt(f"{how}a later decision", why))
-    done = rerun(*easy) if easy else None
-    return done or Restaging(scene, simulated, tuple(tried))
+            faults.append(fault_of_run(error))
+        faults.append("the hazard cannot be named before the ego reaches it")
+        tried.append(Attempt(f"{prefix}a later decision", faults[0]))
+    restaging = rerun(*calm) if calm else None
+    return restaging or Restaging(scene, simulated, tuple(tried))
 
 
 def _slow_ego(scene: Scene, share: float) -> Scene:
@@ -109,17 +118,18 @@ def _slow_ego(scene: Scene, share: float) -> Scene:
     return changed_scene(scene, ego=ego, actors=actors)
 
 
-def _later(scene: Scene, rerunner: Rerunner) -> Iterator[tuple[Scene, float]]:
-    """Yield the scene with decisions at which the hazard can be named, each with the distance from there, m."""
+def _decided_later(scene: Scene, rerunner: Rerunner) -> Iterator[tuple[Scene, float]]:
+    """Yield the scene with decisions at which the hazard can be named, each with its distance then, m."""
     corridor = load_corridor(scene.map, rerunner.simulator.catalogue())
     # The variants are run in the same simulator: all moments are found first.
-    for later in list(islice(_moments(scene, rerunner, corridor), MOST_MOMENTS)):
-        value = value_in(scene.decision, later.state, corridor)
-        decision = scene.decision.model_copy(update={"value": value})
-        yield changed_scene(scene, decision=decision), later.seen.distance_m
+    for moment in list(islice(_later_moments(scene, rerunner, corridor), MOST_MOMENTS)):
+        value = value_in(scene.decision, moment.state, corridor)
+        if value <= MAX_TRIGGER:
+            decision = scene.decision.model_copy(update={"value": value})
+            yield changed_scene(scene, decision=decision), moment.sighting.distance_m
 
 
-def _moments(scene: Scene, rerunner: Rerunner, corridor: Corridor) -> Iterator[_Later]:
+def _later_moments(scene: Scene, rerunner: Rerunner, corridor: Corridor) -> Iterator[_LaterMoment]:
     """Drive blindly on from the decision and yield the moments at which the hazard can be named."""
     simulator = rerunner.simulator
     catalogue = simulator.catalogue()
@@ -131,14 +141,14 @@ def _moments(scene: Scene, rerunner: Rerunner, corridor: Corridor) -> Iterator[_
         if state.contacts or state.off_road:
             return
         if step % steps == 0:
-            guess = drawn(scene, bodies(scene, catalogue, state.poses), corridor, camera)
-            if guess is not None and guess.size_px >= _MARGIN * LEAST_SIZE_PX:
+            outline = drawn(scene, bodies(scene, catalogue, state.poses), corridor, camera)
+            if outline is not None and outline.size_px >= _MARGIN * LEAST_SIZE_PX:
                 frame = render_checked(simulator, camera, len(state.ids))
-                seen = sighting(scene, state, frame, catalogue, camera)
-                if seen is not None and not seen.faults:
-                    yield _Later(state, seen)
+                sighted = sighting(scene, state, frame, catalogue, camera)
+                if sighted is not None and not sighted.faults:
+                    yield _LaterMoment(state, sighted)
         state = simulator.step(driver.act(simulator.observe()))
 
 
-def _said(trigger: Trigger) -> str:
+def _words(trigger: Trigger) -> str:
     return f"{trigger.kind} {trigger.value:g}"

@@ -12,7 +12,7 @@ from oodscen.prompts._scenario.describe_path import Style
 from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT, TOKENS
 
 Options = TypeVar("Options", bound=Data)
-_Bound = Annotated[float, Field(allow_inf_nan=True)]
+_OodnessBound = Annotated[float, Field(allow_inf_nan=True)]
 
 
 class RedTeamOptions(Data):
@@ -41,14 +41,14 @@ class RedTeamOptions(Data):
     """Minimum similarity to an earlier proposal at which a proposal is refused."""
     nearest_label: float = NEAREST_LABEL
     """Minimum similarity to a leaf's label at which a proposal is refused."""
-    broadenings: int = BROADENINGS
+    broadenings: int = Field(default=BROADENINGS, ge=0)
     """Number of broadenings of a leaf before it is split."""
-    tokens: int = TOKENS
+    tokens: int = Field(default=TOKENS, ge=1)
     """Room for the tree in a prompt; only a part of a larger tree is shown."""
     rarity: tuple[float, float] | None = None
     """Band of Remark 1 as kilometres in which a kind is met about once, least and most: proposals outside are
-    refused, by the red-LLM's own figure or, where it gives none, by the offline head. Without it common kinds are asked for first and rarer ones once
-    nothing new comes, and nothing is refused.
+    refused, by the red-LLM's own figure or, where it gives none, by the offline head. Without it common kinds are
+    asked for first and rarer ones once nothing new comes, and nothing is refused.
     """
     in_flight: int = Field(default=1, ge=1)
     """Number of proposals in flight: the red-LLM sees the tree as it was this many rounds ago. Decisions are
@@ -58,7 +58,7 @@ class RedTeamOptions(Data):
     """Threads that ask; they change no result. As many as `in_flight` if left out."""
 
     @model_validator(mode="after")
-    def _is_a_band(self) -> Self:
+    def _rarity_is_ordered(self) -> Self:
         if self.rarity is not None and not 0.0 < self.rarity[0] < self.rarity[1]:
             raise ValueError("rarity: kilometres are positive, and the first are fewer")
         return self
@@ -76,16 +76,22 @@ class DescribeOptions(Data):
     """Maximum number of redraws of near duplicates and off-topic texts before they are accepted."""
     candidates: int = Field(default=1, ge=1)
     """Texts written for each one that is kept; of several, those that differ most from one another are kept."""
-    band: tuple[_Bound, _Bound] | None = None
+    band: tuple[_OodnessBound, _OodnessBound] | None = None
     """Lowest and highest OOD-ness of the candidates; either may be infinite."""
     twins: bool = False
     """Write the ordinary twin of every text; a text whose twin's answers are never valid gets none."""
-    batch: int = 10
+    batch: int = Field(default=10, ge=1)
     """Maximum number of texts per call."""
     sample: int = 0
     """Keeps independent sets of texts apart."""
     threads: int = Field(default=1, ge=1)
     """Number of paths to work on at once."""
+
+    @model_validator(mode="after")
+    def _band_is_ordered(self) -> Self:
+        if self.band is not None and not self.band[0] < self.band[1]:
+            raise ValueError("band: the lower bound must be below the upper one")
+        return self
 
     @property
     def is_selective(self) -> bool:
@@ -101,8 +107,8 @@ def with_changes(
     Raises:
         UsageError: If a field does not exist or its value is not allowed; the error names every fault.
     """
-    given = {} if options is None else {name: getattr(options, name) for name in kind.model_fields}
+    unchanged = {} if options is None else dict(options)
     try:
-        return kind.parse({**given, **changes})
+        return kind.parse({**unchanged, **changes})
     except DataError as error:
         raise UsageError(str(error)) from None

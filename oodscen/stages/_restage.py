@@ -8,7 +8,15 @@ from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
 from oodscen.data._episode import Episode
-from oodscen.data._scene import Actor, Behaviour, Placement, Scene
+from oodscen.data._scene import (
+    MAX_ACTORS,
+    MAX_SPEED,
+    MAX_TRIGGER,
+    Actor,
+    Behaviour,
+    Placement,
+    Scene,
+)
 from oodscen.errors import OodscenError
 from oodscen.stages._rerun import Rerunner
 from oodscen.stages._simulate import Simulated
@@ -44,30 +52,26 @@ def restage(
 ) -> Restaging:
     """Return the first variant of a scene that tells actions apart, and its run.
 
-    Other actors keep their behaviour: an actor that did not yield before does not yield now. If no variant helps, the scene and its
-    run are returned unchanged, with the rejected variants and the reasons.
+    Other actors keep their behaviour: an actor that did not yield before does not yield now. If no variant helps,
+    the scene and its run are returned unchanged, with the rejected variants and the reasons.
     """
     if not simulated.episode.is_deterministic:
         why = "replaying the approach gave another trace, so that no action can be called safe"
         return Restaging(scene, simulated, (Attempt("nothing", why),))
     tried: list[Attempt] = []
     catalogue = rerunner.simulator.catalogue()
-    for variant, how in variants(scene, catalogue, bool(simulated.episode.safe_set)):
+    for variant, how in variants(scene, catalogue, is_too_easy=bool(simulated.episode.safe_set)):
         try:
-            why = _refusal(rerunner.probe(variant), simulated.episode)
-            if why := why or contradiction(claims, scene, variant, catalogue):
-                tried.append(Attempt(how, why))
-                continue
-            again = rerunner.run(variant, simulated)
+            fault = _fault_of_probe(rerunner.probe(variant), simulated.episode)
+            fault = fault or contradiction(claims, scene, variant, catalogue)
+            if not fault:
+                rerun = rerunner.run(variant, simulated)
+                fault = _fault_of_pictures(rerun.episode, simulated.episode)
         except OodscenError as error:
-            tried.append(Attempt(how, fault_of_run(error)))
-            continue
-        if simulated.episode.hazard_visible and not again.episode.hazard_visible:
-            tried.append(Attempt(how, "the hazard would be in no frame"))
-        elif again.episode.is_below_floor and not simulated.episode.is_below_floor:
-            tried.append(Attempt(how, "the hazard could not be named"))
-        else:
-            return Restaging(variant, again, tuple(tried)).described(how)
+            fault = fault_of_run(error)
+        if not fault:
+            return Restaging(variant, rerun, tuple(tried)).described(how)
+        tried.append(Attempt(how, fault))
     return Restaging(scene, simulated, tuple(tried))
 
 
@@ -76,8 +80,8 @@ def fault_of_run(error: OodscenError) -> str:
     return f"it cannot be run: {str(error).strip().splitlines()[-1].strip(' -')}"
 
 
-def _refusal(probe: Episode, before: Episode) -> str:
-    """Return the reason why a variant does not help, or an empty string if it does."""
+def _fault_of_probe(probe: Episode, before: Episode) -> str:
+    """Return why a variant does not tell actions apart at the same moment, or an empty string if it does."""
     if not probe.is_decidable:
         if not probe.is_deterministic:
             return "replaying the approach gave another trace"
@@ -87,40 +91,67 @@ def _refusal(probe: Episode, before: Episode) -> str:
     return ""
 
 
+def _fault_of_pictures(rerun: Episode, before: Episode) -> str:
+    """Return why the hazard of a variant can be seen less well than before, or an empty string if it cannot."""
+    if before.hazard_visible and not rerun.hazard_visible:
+        return "the hazard would be in no frame"
+    if rerun.is_below_floor and not before.is_below_floor:
+        return "the hazard could not be named"
+    return ""
+
+
 def contradiction(
     claims: Sequence[Claim], before: Scene, after: Scene, catalogue: Catalogue
 ) -> str:
     """Return the first claim that a changed scene contradicts and the scene before did not; empty if none."""
-    found = mismatches(check_claims(claims, after, catalogue)) if claims else []
-    if not found:
+    contradicted = mismatches(check_claims(claims, after, catalogue)) if claims else []
+    if not contradicted:
         return ""
-    known = {mismatch.claim for mismatch in mismatches(check_claims(claims, before, catalogue))}
-    return next((str(one) for one in found if one.claim not in known), "")
+    earlier = {mismatch.claim for mismatch in mismatches(check_claims(claims, before, catalogue))}
+    new = (str(mismatch) for mismatch in contradicted if mismatch.claim not in earlier)
+    return next(new, "")
 
 
-def variants(scene: Scene, catalogue: Catalogue, is_too_easy: bool) -> Iterator[tuple[Scene, str]]:
+def variants(
+    scene: Scene, catalogue: Catalogue, *, is_too_easy: bool
+) -> Iterator[tuple[Scene, str]]:
     """Yield changed scenes, the smallest change first, each with a description of the change."""
-    later = scene.decision.kind == "time"
-    factors = (0.85, 0.7, 0.55) if is_too_easy is not later else (1.2, 1.4, 1.7)
-    for factor in factors:
-        value = round(scene.decision.value * factor, 2)
+    yield from _other_decisions(scene, is_too_easy=is_too_easy)
+    yield from _other_speeds(scene, is_too_easy=is_too_easy)
+    if is_too_easy and any(asset.id == "car" for asset in catalogue.assets):
+        yield from _with_companion(scene)
+
+
+def _other_decisions(scene: Scene, *, is_too_easy: bool) -> Iterator[tuple[Scene, str]]:
+    """Yield the scene decided later if it is too easy, and else earlier: distances and times to collision shrink."""
+    is_smaller = is_too_easy is not (scene.decision.kind == "time")
+    for factor in (0.85, 0.7, 0.55) if is_smaller else (1.2, 1.4, 1.7):
+        value = min(round(scene.decision.value * factor, 2), float(MAX_TRIGGER))
         decision = scene.decision.model_copy(update={"value": value})
         how = f"decision {scene.decision.kind} {scene.decision.value:g} -> {value:g}"
         yield changed_scene(scene, decision=decision), how
+
+
+def _other_speeds(scene: Scene, *, is_too_easy: bool) -> Iterator[tuple[Scene, str]]:
+    """Yield the scene with a faster ego if it is too easy, and else with a slower one."""
     for factor in (1.1, 1.2, 1.3) if is_too_easy else (0.9, 0.8, 0.7):
-        speed = round(min(scene.ego.speed * factor, 45.0), 2)
+        speed = round(min(scene.ego.speed * factor, float(MAX_SPEED)), 2)
         ego = scene.ego.model_copy(update={"speed": speed})
         yield changed_scene(scene, ego=ego), f"approach speed {scene.ego.speed:g} -> {speed:g} m/s"
-    has_car = any(asset.id == "car" for asset in catalogue.assets)
-    if is_too_easy and has_car and all(actor.id != COMPANION for actor in scene.actors):
-        for lane, side in ((1, "left"), (-1, "right")):
-            companion = _companion(scene, ahead_m=3.5, lane=lane)
-            how = f"a car drives beside the ego in the next lane on the {side}"
-            yield changed_scene(scene, actors=(*scene.actors, companion)), how
-        for gap in (14.0, 10.0):
-            companion = _companion(scene, ahead_m=-gap, lane=0)
-            how = f"a car follows {gap:g} m behind"
-            yield changed_scene(scene, actors=(*scene.actors, companion)), how
+
+
+def _with_companion(scene: Scene) -> Iterator[tuple[Scene, str]]:
+    """Yield the scene with a car beside or behind the ego, unless it has one or is full."""
+    if len(scene.actors) >= MAX_ACTORS or any(actor.id == COMPANION for actor in scene.actors):
+        return
+    for lane, side in ((1, "left"), (-1, "right")):
+        companion = _companion(scene, ahead_m=3.5, lane=lane)
+        how = f"a car drives beside the ego in the next lane on the {side}"
+        yield changed_scene(scene, actors=(*scene.actors, companion)), how
+    for gap_m in (14.0, 10.0):
+        companion = _companion(scene, ahead_m=-gap_m, lane=0)
+        how = f"a car follows {gap_m:g} m behind"
+        yield changed_scene(scene, actors=(*scene.actors, companion)), how
 
 
 def _companion(scene: Scene, *, ahead_m: float, lane: int) -> Actor:
@@ -135,5 +166,9 @@ def _companion(scene: Scene, *, ahead_m: float, lane: int) -> Actor:
 
 
 def changed_scene(scene: Scene, **fields: object) -> Scene:
-    """Return a scene with other fields, validated again."""
-    return Scene.model_validate({**scene.model_dump(), **fields})
+    """Return a scene with other fields, validated again.
+
+    Raises:
+        DataError: If it is no scene.
+    """
+    return Scene.parse({**scene.model_dump(), **fields})

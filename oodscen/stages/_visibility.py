@@ -44,24 +44,25 @@ def _measured(
     """Measure actors of one asset, given by their rows in the state."""
     heights = {row: _extent(frame.ids == row + 1) for row in rows}
     # Bollards before a refrigerator leave its outline, and nothing that a viewer could name.
-    free = {row: heights[row] * _visible_share(frame, row) for row in rows}
-    row = max(rows, key=lambda one: free[one])
-    mask = np.isin(frame.ids, [one + 1 for one in rows])
+    unhidden_heights = {row: heights[row] * _visible_share(frame, row) for row in rows}
+    row = max(rows, key=unhidden_heights.__getitem__)
+    mask = np.isin(frame.ids, [row + 1 for row in rows])
     scale = SCALE_PX / frame.ids.shape[0]
-    area = float(np.count_nonzero(mask))
-    whole = 0 if frame.unhidden is None else int(frame.unhidden[list(rows)].sum())
-    look: tuple[float | None, float | None] = None, None
+    area_px = float(np.count_nonzero(mask))
+    unhidden_px = 0 if frame.unhidden is None else int(frame.unhidden[list(rows)].sum())
+    contrast = brightness = None
     if scene.hazard.weather is None:
-        look = _look(frame.rgb, mask, is_dark=scene.weather.sun_elevation_deg < DARK_DEG)
+        is_dark = scene.weather.sun_elevation_deg < DARK_DEG
+        contrast, brightness = _look(frame.rgb, mask, is_dark=is_dark)
     return Sighting(
         actor=cast[row].id,
         distance_m=round(eye.distance(cast[row].solid), 1),
         height_px=round(scale * heights[row], 1),
-        size_px=round(scale * apparent_size(free[row], area), 1),
-        area_px=round(scale * scale * area, 1),
-        hidden=round(1.0 - min(1.0, area / whole), 3) if whole else 0.0,
-        contrast=look[0],
-        brightness=look[1],
+        size_px=round(scale * apparent_size(unhidden_heights[row], area_px), 1),
+        area_px=round(scale * scale * area_px, 1),
+        hidden=round(1.0 - min(1.0, area_px / unhidden_px), 3) if unhidden_px else 0.0,
+        contrast=contrast,
+        brightness=brightness,
     )
 
 
@@ -87,15 +88,16 @@ def _look(
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     reach = max(2, round(_RING * max(len(rows), len(columns))))
     window = tuple(
-        slice(max(0, int(a[0]) - reach), int(a[-1]) + reach + 1) for a in (rows, columns)
+        slice(max(0, int(filled[0]) - reach), int(filled[-1]) + reach + 1)
+        for filled in (rows, columns)
     )
     inside, colours = mask[window], rgb[window].astype(np.float64) / 255.0
-    own = colours[inside]
-    around = colours[~inside]
+    hazard, surroundings = colours[inside], colours[~inside]
     contrast = None
-    if len(around):
-        contrast = round(float(np.sqrt(np.mean((own - around.mean(axis=0)) ** 2))), 4)
+    if len(surroundings):
+        difference = hazard - surroundings.mean(axis=0)
+        contrast = round(float(np.sqrt(np.mean(difference**2))), 4)
     if not is_dark:
         return contrast, None
-    light = np.sort(own.mean(axis=1))[-max(1, len(own) // 10) :]
-    return contrast, round(float(light.mean()), 4)
+    brightest = np.sort(hazard.mean(axis=1))[-max(1, len(hazard) // 10) :]
+    return contrast, round(float(brightest.mean()), 4)

@@ -62,6 +62,23 @@ def test_a_file_that_cannot_be_written_is_named(tmp_path):
             Metrics(ENCODER, TEXTS).write_embeddings(path, ["a car"])
 
 
+@pytest.mark.parametrize(
+    ("texts", "fault"),
+    [
+        ([], "holds no text"),
+        ("a car", "is one string"),
+        (["a car"] * 4100 + [" "], r"\[4100\]: is blank"),
+        (["a car", 3], r"\[1\]: is int"),
+    ],
+)
+def test_texts_that_cannot_be_measured_leave_an_earlier_file(file, texts, fault):
+    before = file.read_bytes()
+    with pytest.raises(DataError, match=fault):
+        write_embeddings(file, ENCODER, texts)
+    assert file.read_bytes() == before
+    assert sorted(path.name for path in file.parent.iterdir()) == [file.name, f"{file.name}.json"]
+
+
 def test_another_encoders_baseline_is_refused(file):
     with pytest.raises(UsageError, match="hash-16"):
         open_embeddings(file, HashEncoder(8))
@@ -99,3 +116,26 @@ def test_an_arrow_file_of_another_layout_is_a_data_error(tmp_path):
     ):
         with pytest.raises(DataError):
             open_embeddings(bad, ENCODER)
+
+
+@pytest.mark.parametrize("null", ["vector", "value"])
+def test_nulls_in_an_arrow_file_are_a_data_error(tmp_path, null):
+    pa = pytest.importorskip("pyarrow")
+    whole = [0.5] * 16
+    vectors = [whole, None if null == "vector" else [None, *whole[1:]], whole]
+    kind = pa.list_(pa.float32(), 16)
+    schema = pa.schema([("vector", kind)], metadata={"encoder": ENCODER.name})
+    path = tmp_path / "ordinary.arrow"
+    with pa.ipc.new_file(str(path), schema) as sink:
+        sink.write_table(pa.table([pa.array(vectors, kind)], schema=schema))
+    with pytest.raises(DataError, match="vector: holds nulls"):
+        open_embeddings(path, ENCODER)
+
+
+@pytest.mark.parametrize("rows", [slice(20, 30), slice(-30, None), slice(None)])
+def test_a_value_that_is_not_finite_is_named_by_its_row(file, rows):
+    vectors = np.load(file)
+    vectors[23, 3] = np.inf
+    np.save(file, vectors)
+    with pytest.raises(DataError, match="row 23"):
+        open_embeddings(file, ENCODER)[rows]

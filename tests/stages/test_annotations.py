@@ -157,17 +157,27 @@ def test_files_hold_all_of_it(seen, notes, tmp_path):
         lambda frame: {"ids": None},
         lambda frame: {"rgb": frame.rgb[:, :, 0]},
         lambda frame: {"depth": frame.depth[1:]},
+        lambda frame: {"depth": np.full_like(frame.depth, np.nan)},
+        lambda frame: {"ids": frame.ids + 90},
+        lambda frame: {"ids": frame.ids - 1},
+        lambda frame: {"unhidden": np.zeros(2, np.int32)},
     ],
 )
 def test_a_frame_that_is_not_the_camera_s_is_refused(seen, change):
     frame, state, catalogue = seen
     with pytest.raises(UsageError, match="frame: "):
         SCENE.annotate(replace(frame, **change(frame)), state, catalogue, CAMERA)
+    with pytest.raises(UsageError, match="frame: "):
+        FrameAnnotations.semantic_map(
+            replace(frame, **change(frame)), state, SCENE, catalogue, CAMERA
+        )
 
 
 def test_a_frame_of_another_camera_is_refused(seen):
     frame, state, catalogue = seen
-    with pytest.raises(UsageError, match=r"\(240, 320, 3\), not \(480, 640, 3\); name the camera"):
+    with pytest.raises(
+        UsageError, match=r"\(240, 320, 3\), not uint8 \(480, 640, 3\); name the camera"
+    ):
         SCENE.annotate(frame, state, catalogue)
     with pytest.raises(UsageError, match="name the camera"):
         FrameAnnotations.semantic_map(frame, state, SCENE, catalogue)

@@ -37,8 +37,21 @@ def test_an_option_that_does_not_exist_is_named(maker):
 
 
 @pytest.mark.parametrize(
-    "changes", [{"iterations": -1}, {"patience": 0}, {"coverage": 1.0}, {"in_flight": 0}]
+    ("maker", "name", "value"),
+    [
+        (RedTeamer, "iterations", -1),
+        (RedTeamer, "patience", 0),
+        (RedTeamer, "coverage", 1.0),
+        (RedTeamer, "in_flight", 0),
+        (RedTeamer, "tokens", 0),
+        (RedTeamer, "broadenings", -1),
+        (RedTeamer, "rarity", (1e6, 1e5)),
+        (Describer, "batch", 0),
+        (Describer, "per_path", 0),
+        (Describer, "band", (0.9, 0.1)),
+        (Describer, "band", (0.5, math.nan)),
+    ],
 )
-def test_a_value_that_is_not_allowed_is_refused_with_its_name(changes):
-    with pytest.raises(UsageError, match=next(iter(changes))):
-        RedTeamer(LLM, **changes)
+def test_a_value_that_is_not_allowed_is_refused_with_its_name(maker, name, value):
+    with pytest.raises(UsageError, match=name):
+        maker(LLM, **{name: value})

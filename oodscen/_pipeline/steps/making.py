@@ -11,10 +11,12 @@ from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._motion import Motion
 from oodscen.errors import DataError, Issue
-from oodscen.stages._making.looking import ShownProp, views_of
-from oodscen.stages._making.making import MadeProp, PropMaker, judged_again, wanted_things
-from oodscen.stages._making.motions import MotionMaker, made_motions, wanted_motions
+from oodscen.stages._making.looking import ShownProp
+from oodscen.stages._making.making import MadeProp, PropMaker
+from oodscen.stages._making.motions import MotionMaker, made_motions
 from oodscen.stages._making.recognition import PropRecogniser
+from oodscen.stages._making.sheet import views_of
+from oodscen.stages._making.wanted import judged_again, wanted_motions, wanted_things
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.tree._scenario_tree import ScenarioTree
@@ -53,16 +55,16 @@ def with_made(
     if run.config.recogniser is not None:
         recogniser = PropRecogniser(run.models.get(run.config.recogniser), catalogue)
 
-    def keep_picture(seen: ShownProp) -> None:
-        run.store.write(picture_of(seen.look.id), to_jpeg(views_of(seen)))
+    def keep_picture(shown: ShownProp) -> None:
+        run.store.write(picture_of(shown.look.id), to_jpeg(views_of(shown)))
 
     maker = PropMaker(run.llm, run.simulator, keep_picture, recogniser=recogniser)
-    wanted = {one.name: one for one in wanted_things(tree, judgements, catalogue)}
-    rows = _made(run, ASSETS, judgements, wanted, maker.make)
-    things = _drawn(run, maker, [MadeProp.parse(row, source=ASSETS) for row in rows])
+    wanted = {thing.name: thing for thing in wanted_things(tree, judgements, catalogue)}
+    lines = _made_lines(run, ASSETS, judgements, wanted, maker.make)
+    things = _drawn_anew(run, maker, [MadeProp.parse(line, source=ASSETS) for line in lines])
     props = {thing.id: thing.prop for thing in things if thing.prop is not None}
     motions = _made_motions(run, tree, judgements)
-    _refuse_lost(run, judgements)
+    _refuse_lost_designs(run, judgements)
     if not props and not motions:
         return list(judgements)
     judge = pruner(run, catalogue.with_made(props.values(), motions.values()))
@@ -73,12 +75,12 @@ def with_made(
     return [again.get(judgement.id, judgement) for judgement in judgements]
 
 
-def _drawn(run: Context, maker: PropMaker, things: list[MadeProp]) -> list[MadeProp]:
+def _drawn_anew(run: Context, maker: PropMaker, things: list[MadeProp]) -> list[MadeProp]:
     """Draw the things again whose pictures are gone, or whose designs were changed by hand."""
-    props = [thing if _is_drawn(run, thing) else maker.draw(thing) for thing in things]
-    if props != things:
-        run.store.write_lines(ASSETS, props)
-    return props
+    drawn = [thing if _is_drawn(run, thing) else maker.draw(thing) for thing in things]
+    if drawn != things:
+        run.store.write_lines(ASSETS, drawn)
+    return drawn
 
 
 def _is_drawn(run: Context, thing: MadeProp) -> bool:
@@ -87,23 +89,22 @@ def _is_drawn(run: Context, thing: MadeProp) -> bool:
     return run.store.has(picture_of(thing.id)) and thing.drawn in ("", thing.prop.digest())
 
 
-def _refuse_lost(run: Context, judgements: Sequence[PruneDecision]) -> None:
+def _refuse_lost_designs(run: Context, judgements: Sequence[PruneDecision]) -> None:
     """Refuse a leaf that is kept with a thing or movement of which neither a design nor a wish is left.
 
     Raises:
         DataError: If there is one.
     """
-    known = {line["id"] for file in (ASSETS, MOTIONS) for line in run.store.lines(file)}
+    designed = {line["id"] for file in (ASSETS, MOTIONS) for line in run.store.lines(file)}
     for judgement in judgements:
-        lost = [name for name in judgement.made if name not in known]
+        lost = [name for name in judgement.made if name not in designed]
         if judgement.keep and lost:
             fault = (
-                f"{judgement.id} is shown with {', '.join(lost)}, of which there is no design; remove its line, and it is "
-                "judged again"
+                f"{judgement.id} is shown with {', '.join(lost)}, of which there is no design; remove its line, and "
+                "it is judged again"
             )
-            raise DataError(
-                "decision", [Issue("", fault)], source=str(run.store.path("pruned.jsonl"))
-            )
+            source = str(run.store.path("pruned.jsonl"))
+            raise DataError("decision", [Issue("", fault)], source=source)
 
 
 def _made_motions(
@@ -111,14 +112,11 @@ def _made_motions(
 ) -> dict[str, Motion]:
     """Make the movements that dropped leaves lack."""
     catalogue = run.simulator.catalogue()
-    wanted = {
-        wanted_motion.name: wanted_motion
-        for wanted_motion in wanted_motions(tree, judgements, catalogue)
-    }
+    wanted = {motion.name: motion for motion in wanted_motions(tree, judgements, catalogue)}
     if not wanted and not run.store.holds(MOTIONS):
         return {}
     maker = MotionMaker(run.llm, run.simulator)
-    motions = made_motions(_made(run, MOTIONS, judgements, wanted, maker.make))
+    motions = made_motions(_made_lines(run, MOTIONS, judgements, wanted, maker.make))
     for name, motion in motions.items():
         if motion.id != name:
             issue = Issue("motion.id", f"must be {name}")
@@ -126,7 +124,7 @@ def _made_motions(
     return motions
 
 
-def _made(
+def _made_lines(
     run: Context,
     file: str,
     judgements: Sequence[PruneDecision],
@@ -141,5 +139,5 @@ def _made(
         "make",
         file,
         {**wanted, **{name: None for name in before if name not in wanted}},
-        lambda todo: (make(one) for one in todo.values() if one is not None),
+        lambda todo: (make(wish) for wish in todo.values() if wish is not None),
     )

@@ -72,7 +72,7 @@ def _light_at_junction(setting: Setting, rng: np.random.Generator) -> Draft | No
     ]
     if not marks:
         return None
-    line = min(one.ahead_m for one in marks) - BEFORE_LIGHT_M
+    line = min(mark.ahead_m for mark in marks) - BEFORE_LIGHT_M
     waiting = _waiting(setting, rng, line)
     if not waiting:
         return None
@@ -82,7 +82,7 @@ def _light_at_junction(setting: Setting, rng: np.random.Generator) -> Draft | No
             "traffic_light",
             mark.ahead_m,
             lane=-setting.lane,
-            offset=mark.left_m,
+            offset_m=mark.left_m,
             state="red",
         )
         for number, mark in enumerate(marks, start=1)
@@ -100,14 +100,14 @@ def _waiting(setting: Setting, rng: np.random.Generator, line: float) -> list[Ac
         if not asset:
             return []
         half = 0.5 * setting.length(asset)
-        place = line - half - float(rng.uniform(*_SHORT_OF_LINE_M))
+        ahead_m = line - half - float(rng.uniform(*_SHORT_OF_LINE_M))
         if lane == 0:
-            needed = half + FRONT_M + _SPARE_M + setting.room(_FIRM)
-            if place - setting.decision_m < needed:
+            needed = half + FRONT_M + _SPARE_M + setting.braking_m(_FIRM)
+            if ahead_m - setting.decision_m < needed:
                 return []
-            cars.append(standing_vehicle("waiting", asset, place))
+            cars.append(standing_vehicle("waiting", asset, ahead_m))
         elif rng.random() < _HAS_COMPANY:
-            cars.append(standing_vehicle(beside(lane), asset, place, lane))
+            cars.append(standing_vehicle(beside(lane), asset, ahead_m, lane))
     return cars
 
 
@@ -119,7 +119,7 @@ def _light_at_crossing(setting: Setting, rng: np.random.Generator) -> Draft | No
     needed = (
         FRONT_M
         + _STOPS_BEFORE_LIT_CROSSING_M
-        + setting.room(_FIRM)
+        + setting.braking_m(_FIRM)
         + REACTIONS_S[-1] * setting.speed
     )
     ahead = setting.decision_m + max(setting.gap_m, needed)
@@ -146,9 +146,9 @@ def _lights(setting: Setting, ahead: float, red_since_s: float) -> list[Actor]:
             f"light-{number}",
             "traffic_light",
             ahead - _LIGHT_BEFORE_CROSSING_M,
-            offset=offset,
+            offset_m=offset,
             state="red",
-            start=red_since_s,
+            start_s=red_since_s,
         )
         for number, offset in enumerate(offsets, start=1)
     ]
@@ -163,8 +163,8 @@ def _company(
         if lane and rng.random() < _HAS_COMPANY and is_red:
             asset = setting.choose(rng, *CARS)
             if asset:
-                place = line - 0.5 * setting.length(asset)
-                cars.append(standing_vehicle(beside(lane), asset, place, lane))
+                ahead_m = line - 0.5 * setting.length(asset)
+                cars.append(standing_vehicle(beside(lane), asset, ahead_m, lane))
     return cars
 
 
@@ -174,14 +174,14 @@ def zebra(setting: Setting, rng: np.random.Generator) -> Draft | None:
         return None
     if setting.has("roundabout"):
         ahead = _crossing_of_map(setting)
-        needed = FRONT_M + _SPARE_M + setting.room(_HARD)
+        needed = FRONT_M + _SPARE_M + setting.braking_m(_HARD)
         if ahead - setting.decision_m < needed:
             return None
         stripes = []
     elif setting.has("junction") or "zebra_crossing" not in setting.assets:
         return None
     else:
-        needed = FRONT_M + _STOPS_BEFORE_CROSSING_M + setting.room(_FIRM)
+        needed = FRONT_M + _STOPS_BEFORE_CROSSING_M + setting.braking_m(_FIRM)
         ahead = setting.decision_m + max(setting.gap_m, needed)
         stripes = _stripes(setting, ahead)
     people = _walkers(setting, rng, ahead)
@@ -194,56 +194,58 @@ def zebra(setting: Setting, rng: np.random.Generator) -> Draft | None:
 def _crossing_of_map(setting: Setting) -> float:
     """Return the distance of the map's first crossing from the ego's start, along its way, m; 0 if there is none."""
     corridor = setting.corridor
-    places = [
+    middles = [
         corridor.locate(*area.points.mean(axis=0).tolist())
         for area in corridor.crosswalks
         if area.kind == "crosswalk"
     ]
     return min(
-        (s - corridor.start for s, t in places if abs(t) < _ACROSS_LANE_M and s > corridor.start),
+        (s - corridor.start for s, t in middles if abs(t) < _ACROSS_LANE_M and s > corridor.start),
         default=0.0,
     )
 
 
 def _stripes(setting: Setting, ahead: float) -> list[Actor]:
     return [
-        actor(f"zebra-{number}", "zebra_crossing", ahead, offset=offset)
+        actor(f"zebra-{number}", "zebra_crossing", ahead, offset_m=offset)
         for number, offset in enumerate(setting.lane_offsets(ahead), start=1)
     ]
 
 
 def _walkers(setting: Setting, rng: np.random.Generator, ahead: float) -> list[Actor]:
-    """Return one to three people on a crossing at the decision; none if the catalogue has no people.
+    """Return one to three people on a crossing at the decision, the first in the way when the ego would arrive.
 
-    The first is in the way when the ego would arrive.
+    There are none if the catalogue has no people, or the ego stands.
     """
+    if not setting.speed:
+        return []
     right, left = -setting.edge(ahead) - _KERB_M, setting.edge(ahead, 1) + _KERB_M
     walkers = []
     for number in range(1, int(rng.integers(1, 1 + len(_APART_M))) + 1):
-        who = setting.choose(rng, *PEOPLE)
-        if not who:
+        asset = setting.choose(rng, *PEOPLE)
+        if not asset:
             return []
         speed = float(rng.uniform(1.1, 1.5))
         side = 1 if rng.random() < 0.6 else -1
-        there, when = float(rng.uniform(right + 1.0, left - 1.0)), setting.decision_s
+        met_m, met_s = float(rng.uniform(right + 1.0, left - 1.0)), setting.decision_s
         if number == 1:
-            there = float(rng.uniform(-_IN_THE_WAY_M, _IN_THE_WAY_M))
-            when += (ahead - setting.decision_m) / setting.speed
-        start, end = (right, left) if side > 0 else (left, right)
-        lag = abs(there - start) / speed + _HEAD_START_S
-        if lag > when:
-            start, lag = there - side * speed * max(0.0, when - _HEAD_START_S), when
+            met_m = float(rng.uniform(-_IN_THE_WAY_M, _IN_THE_WAY_M))
+            met_s += (ahead - setting.decision_m) / setting.speed
+        start_m, end_m = (right, left) if side > 0 else (left, right)
+        walk_s = abs(met_m - start_m) / speed + _HEAD_START_S
+        if walk_s > met_s:
+            start_m, walk_s = met_m - side * speed * max(0.0, met_s - _HEAD_START_S), met_s
         walkers.append(
             actor(
                 f"walker-{number}",
-                who,
+                asset,
                 ahead + _APART_M[number - 1] + float(rng.uniform(-0.2, 0.2)),
-                offset=start,
-                heading=90.0 * side,
-                does="cross_road",
-                start=when - lag,
+                offset_m=start_m,
+                heading_deg=90.0 * side,
+                behaviour="cross_road",
+                start_s=met_s - walk_s,
                 speed=speed,
-                distance=min(_LONGEST_WALK_M, abs(end - start) + 0.5),
+                distance=min(_LONGEST_WALK_M, abs(end_m - start_m) + 0.5),
             )
         )
     return walkers

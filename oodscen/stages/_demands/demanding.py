@@ -5,8 +5,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from itertools import islice
 from typing import NamedTuple
 
-from pydantic import ValidationError
-
 from oodscen._jpeg import to_jpeg
 from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._episode import Episode
@@ -24,7 +22,7 @@ from oodscen.data._scene import (
 )
 from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._sight.placement import check_scene
-from oodscen.errors import Issue, SceneError
+from oodscen.errors import DataError, Issue, SceneError
 from oodscen.protocols import camera_for
 from oodscen.stages._demands.kinds import Candidate, ranked_candidates
 from oodscen.stages._demands.setting import Draft, Setting
@@ -39,14 +37,29 @@ _FULLER = 3.0
 """Weight of a difference in a picture that is fuller than the rare scene's: most are, so the others are preferred."""
 
 
-class Demanding(NamedTuple):
-    """A demand that was run."""
+_PLACES = (
+    ("tunnel", "a road that runs through a tunnel"),
+    ("bridge", "a road that crosses a bridge"),
+    ("roundabout", "a road that leads to a roundabout"),
+    ("signalised", "an avenue that leads to a junction with traffic lights"),
+    ("t_junction", "a residential street that a side street joins"),
+    ("highway", "a highway"),
+    ("residential", "a residential street"),
+    ("urban", "a city street"),
+    ("rural", "a country road"),
+)
+"""Names of roads by the first trait that a map has."""
+_FALLING: Mapping[Precipitation, str] = {"rain": " in the rain", "snow": " while it snows"}
+
+
+class DemandRun(NamedTuple):
+    """A demand and its run."""
 
     scene: Scene
     simulated: Simulated
 
 
-def draw_demand(scene: Scene, simulated: Simulated, rerunner: Rerunner) -> Demanding:
+def draw_demand(scene: Scene, simulated: Simulated, rerunner: Rerunner) -> DemandRun:
     """Return the ordinary demand of a scene, and its run.
 
     It has the scene's map, ego and ordinary weather, and is decided at the same time. Kinds are tried in an
@@ -59,31 +72,31 @@ def draw_demand(scene: Scene, simulated: Simulated, rerunner: Rerunner) -> Deman
     """
     catalogue = rerunner.simulator.catalogue()
     setting = Setting.of(scene, catalogue, simulated.trace, simulated.episode.sketch)
-    resort: Scene | None = None
-    calm: set[str] = set()
+    last_resort: Scene | None = None
+    calm_kinds: set[str] = set()
     ranked = ranked_candidates(scene, setting, rerunner.seed, _company(scene))
-    for candidate, one in _alike_first(_admitted(scene, setting, ranked), simulated, rerunner):
-        if candidate.kind.id in calm:
+    for candidate, demand in _alike_first(_admitted(scene, setting, ranked), simulated, rerunner):
+        if candidate.kind.id in calm_kinds:
             continue
         try:
-            episode = rerunner.keep_speed(one)
+            episode = rerunner.keep_speed(demand)
         except SceneError:
             continue
         if not _is_shown(episode, candidate.draft):
             continue
         # Most candidates are calm; what else an ego may do there need not be known.
         if episode.label("keep_speed") != "safe":
-            run = rerunner.run(one, simulated)
+            run = rerunner.run(demand, simulated)
             if not (_is_shown(run.episode, candidate.draft) and run.episode.safe_set):
                 continue
             if run.episode.label("keep_speed") == "unsafe":
-                return Demanding(one, run)
-        resort = resort or one
-        calm.add(candidate.kind.id)
-    if resort is None:
+                return DemandRun(demand, run)
+        last_resort = last_resort or demand
+        calm_kinds.add(candidate.kind.id)
+    if last_resort is None:
         fault = Issue("demand", "no kind of ordinary demand fits the scene")
         raise SceneError(demand_id(scene.id), [fault])
-    return Demanding(resort, rerunner.run(resort, simulated))
+    return DemandRun(last_resort, rerunner.run(last_resort, simulated))
 
 
 class _Staged(NamedTuple):
@@ -96,11 +109,11 @@ class _Staged(NamedTuple):
 def _admitted(scene: Scene, setting: Setting, ranked: Iterable[Candidate]) -> Iterator[_Staged]:
     """Yield the candidates that the checks of a scene accept, in their order."""
     for candidate in ranked:
-        one = _stage(scene, setting, candidate)
-        if one is None or one.demand is None or check_scene(one, setting.catalogue):
+        demand = _stage(scene, setting, candidate)
+        if demand is None or check_scene(demand, setting.catalogue):
             continue
-        if not mismatches(check_claims(one.demand.claims, one, setting.catalogue)):
-            yield _Staged(candidate, one)
+        if not mismatches(check_claims(candidate.draft.claims, demand, setting.catalogue)):
+            yield _Staged(candidate, demand)
 
 
 def _alike_first(
@@ -115,21 +128,20 @@ def _alike_first(
     if frame is None:
         yield from staged
         return
-    full = len(to_jpeg(frame.rgb))
+    rare_bytes = len(to_jpeg(frame.rgb))
     rest = iter(staged)
     while few := list(islice(rest, _COMPARED)):
-        unlike = [_difference(full, _fullness(one.scene, rerunner)) for one in few]
-        order = sorted(range(len(few)), key=unlike.__getitem__)
-        yield from (few[row] for row in order)
+        few.sort(key=lambda one: _difference(rare_bytes, _picture_bytes(one.scene, rerunner)))
+        yield from few
 
 
-def _difference(full: float, other: float) -> float:
+def _difference(rare_bytes: float, other_bytes: float) -> float:
     """Return how much a picture differs in file size from the rare scene's, as a logarithm."""
-    difference = math.log(other / full)
+    difference = math.log(other_bytes / rare_bytes)
     return difference * _FULLER if difference > 0.0 else -difference
 
 
-def _fullness(scene: Scene, rerunner: Rerunner) -> float:
+def _picture_bytes(scene: Scene, rerunner: Rerunner) -> float:
     """Return the size of the picture file at a scene's decision, bytes; infinite where there is none."""
     simulator = rerunner.simulator
     try:
@@ -159,7 +171,7 @@ def _stage(scene: Scene, setting: Setting, candidate: Candidate) -> Scene | None
             horizon_s=scene.horizon_s,
             demand=demand,
         )
-    except ValidationError:
+    except DataError:
         return None
 
 
@@ -176,25 +188,10 @@ def _company(scene: Scene) -> tuple[Actor, ...]:
 
 def _is_shown(episode: Episode, draft: Draft) -> bool:
     """Return whether a run is decided, and the demand can be seen."""
-    pixels = episode.visible.get("last", {})
-    pixels_of_draft = sum(pixels.get(actor.id, 0) for actor in draft.actors)
-    is_seen = not episode.visible or pixels_of_draft >= _SEEN * VISIBLE_PX
+    by_actor = episode.visible.get("last", {})
+    pixels = sum(by_actor.get(actor.id, 0) for actor in draft.actors)
+    is_seen = not episode.visible or pixels >= _SEEN * VISIBLE_PX
     return is_seen and episode.decision_fired and episode.is_deterministic
-
-
-_PLACES = (
-    ("tunnel", "a road that runs through a tunnel"),
-    ("bridge", "a road that crosses a bridge"),
-    ("roundabout", "a road that leads to a roundabout"),
-    ("signalised", "an avenue that leads to a junction with traffic lights"),
-    ("t_junction", "a residential street that a side street joins"),
-    ("highway", "a highway"),
-    ("residential", "a residential street"),
-    ("urban", "a city street"),
-    ("rural", "a country road"),
-)
-"""Names of roads by the first trait that a map has."""
-_FALLING: Mapping[Precipitation, str] = {"rain": " in the rain", "snow": " while it snows"}
 
 
 def _opening(setting: Setting, weather: Weather) -> str:

@@ -5,6 +5,7 @@ import numpy as np
 from oodscen.stages._demands.setting import (
     CARS,
     FRONT_M,
+    LARGE_M2,
     Draft,
     Setting,
     actor,
@@ -15,6 +16,8 @@ from oodscen.stages._demands.setting import (
 
 _SOFT = 3.0
 """Deceleration that a joining vehicle may ask of the ego, m/s^2."""
+_PULLS_AWAY = 1.6
+"""Acceleration of a car that leaves the kerb, m/s^2."""
 _MOVE_S = 3.0
 """Time that the move into the lane takes, s."""
 _MIRROR_S = 2.0
@@ -28,12 +31,12 @@ def merging_car(setting: Setting, rng: np.random.Generator) -> Draft | None:
     if setting.lanes == 1:
         return _leaves_the_kerb(setting, rng)
     side = 1 if setting.lane < setting.lanes - 1 else -1
-    asset = setting.choose(rng, *(("truck", "van") if setting.area_m2 > 4.5 else CARS))
+    asset = setting.choose(rng, *(("truck", "van") if setting.area_m2 > LARGE_M2 else CARS))
     if not asset or setting.decision_s < _MIRROR_S or setting.has("junction"):
         return None
     speed = 0.7 * setting.speed
     reach = 0.5 * setting.length(asset)
-    gap = max(setting.gap_m, reach + FRONT_M + 3.0 + setting.room(_SOFT, speed))
+    gap = max(setting.gap_m, reach + FRONT_M + 3.0 + setting.braking_m(_SOFT, speed))
     begin = setting.decision_m + gap - speed * setting.decision_s
     if begin < reach + FRONT_M + 4.0:
         return None
@@ -43,8 +46,8 @@ def merging_car(setting: Setting, rng: np.random.Generator) -> Draft | None:
         asset,
         begin,
         lane=side,
-        does="cut_in",
-        start=setting.decision_s - float(rng.uniform(1.6, 2.0)),
+        behaviour="cut_in",
+        start_s=setting.decision_s - float(rng.uniform(1.6, 2.0)),
         state=state,
         speed=speed,
         lanes=-side,
@@ -56,40 +59,42 @@ def merging_car(setting: Setting, rng: np.random.Generator) -> Draft | None:
 
 
 def _leaves_the_kerb(setting: Setting, rng: np.random.Generator) -> Draft | None:
-    since = min(setting.decision_s, float(rng.uniform(2.4, 3.2)))
+    moved_s = min(setting.decision_s, float(rng.uniform(2.4, 3.2)))
     asset = setting.choose(rng, *CARS)
-    if not asset or since < _MIRROR_S or setting.has("junction", "roundabout"):
+    if not asset or moved_s < _MIRROR_S or setting.has("junction", "roundabout"):
         return None
-    end = 0.5 * 1.6 * since * since
-    gap = max(setting.gap_m, 0.5 * setting.length(asset) + FRONT_M + 4.0 + setting.room(_SOFT, 3.5))
-    begin = setting.decision_m + gap - end
-    strip = setting.edge(begin) - setting.half_width(begin)
-    if begin < 8.0 or strip < _PARKED_M - 0.2:
+    moved_m = 0.5 * _PULLS_AWAY * moved_s * moved_s
+    gap = max(
+        setting.gap_m, 0.5 * setting.length(asset) + FRONT_M + 4.0 + setting.braking_m(_SOFT, 3.5)
+    )
+    begin = setting.decision_m + gap - moved_m
+    strip_m = setting.edge(begin) - setting.half_width(begin)
+    if begin < 8.0 or strip_m < _PARKED_M - 0.2:
         return None
-    aside = -(setting.half_width(begin) + 0.5 * strip)
+    offset_m = -(setting.half_width(begin) + 0.5 * strip_m)
     cars = [
         actor(
             "leaving",
             asset,
             begin,
-            offset=aside,
-            does="pull_out",
-            start=setting.decision_s - since,
+            offset_m=offset_m,
+            behaviour="pull_out",
+            start_s=setting.decision_s - moved_s,
             state="indicate_left",
             speed=min(7.0, 0.9 * setting.speed),
             duration=_MOVE_S,
         )
     ]
-    place = begin - 0.5 * setting.length(asset)
+    along_m = begin - 0.5 * setting.length(asset)
     for number in range(1, int(rng.integers(2, 4))):
-        other = setting.choose(rng, *CARS)
-        place -= 0.5 * setting.length(other) + 1.4
-        if place > 5.0:
-            cars.append(actor(f"parked-{number}", other, place, offset=aside))
-        place -= 0.5 * setting.length(other)
+        parked = setting.choose(rng, *CARS)
+        along_m -= 0.5 * setting.length(parked) + 1.4
+        if along_m > 5.0:
+            cars.append(actor(f"parked-{number}", parked, along_m, offset_m=offset_m))
+        along_m -= 0.5 * setting.length(parked)
     front = setting.choose(rng, *CARS)
-    ahead = begin + 0.5 * (setting.length(asset) + setting.length(front)) + 3.5
-    cars.append(actor("parked-front", front, ahead, offset=aside))
+    front_m = begin + 0.5 * (setting.length(asset) + setting.length(front)) + 3.5
+    cars.append(actor("parked-front", front, front_m, offset_m=offset_m))
     noun = everyday_name(asset)
     quote = f"{with_article(noun)} leaves its parking space ahead with its indicator on"
     return demand(cars, noun, quote, ("motion", "moving"), ("place", "ahead"))
@@ -104,25 +109,25 @@ def ambulance(setting: Setting, rng: np.random.Generator) -> Draft | None:
     speed = setting.speed + 2.5
     gap = max(min(setting.gap_m, 22.0), 11.0)
     begin = setting.decision_m + gap - speed * setting.decision_s
-    one = actor(
+    passing = actor(
         "ambulance",
         "ambulance",
         begin,
         lane=1,
-        does="cut_in",
-        start=setting.decision_s - float(rng.uniform(1.8, 2.2)),
+        behaviour="cut_in",
+        start_s=setting.decision_s - float(rng.uniform(1.8, 2.2)),
         state="beacon",
         speed=speed,
         lanes=-1,
         duration=_MOVE_S,
     )
     quote = "an ambulance with its blue lights on passes and moves over ahead of the ego vehicle"
-    slower = setting.choose(rng, *CARS)
+    slower = 0.6 * setting.speed
     lead = actor(
         "lead",
-        slower,
-        setting.decision_m + gap + 16.0 - 0.6 * setting.speed * setting.decision_s,
-        does="follow_lane",
-        speed=0.6 * setting.speed,
+        setting.choose(rng, *CARS),
+        setting.decision_m + gap + 16.0 - slower * setting.decision_s,
+        behaviour="follow_lane",
+        speed=slower,
     )
-    return demand([one, lead], "ambulance", quote, ("state", "beacon"), ("motion", "moving"))
+    return demand([passing, lead], "ambulance", quote, ("state", "beacon"), ("motion", "moving"))

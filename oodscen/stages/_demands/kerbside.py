@@ -11,12 +11,14 @@ _ASIDE_M = (0.1, 0.4)
 """Offset of a standing vehicle towards the kerb, if there is room, m."""
 
 
-def _place(setting: Setting, asset: str, rng: np.random.Generator) -> tuple[float, float]:
-    """Return the place along the road of a vehicle that stands at the kerb, and its offset, m."""
+def _at_kerb(setting: Setting, asset: str, rng: np.random.Generator) -> tuple[float, float]:
+    """Return how far ahead a vehicle stands at the kerb, and its offset, m."""
     reach = 0.5 * setting.length(asset)
-    ahead = setting.decision_m + max(setting.gap_m, reach + FRONT_M + 2.0 + setting.room(_CALM))
-    aside = setting.edge(ahead) - 0.5 * setting.assets[asset].width - 0.2
-    return ahead, -min(aside, float(rng.uniform(*_ASIDE_M)))
+    ahead_m = setting.decision_m + max(
+        setting.gap_m, reach + FRONT_M + 2.0 + setting.braking_m(_CALM)
+    )
+    room_m = setting.edge(ahead_m) - 0.5 * setting.assets[asset].width - 0.2
+    return ahead_m, -min(room_m, float(rng.uniform(*_ASIDE_M)))
 
 
 def _is_street(setting: Setting) -> bool:
@@ -32,39 +34,59 @@ def bus_stop(setting: Setting, rng: np.random.Generator) -> Draft | None:
     """Return a bus at its stop, its indicator on, and people who get on."""
     if "bus" not in setting.assets or not _is_street(setting):
         return None
-    ahead, aside = _place(setting, "bus", rng)
-    row = [actor("bus", "bus", ahead, offset=aside, state="indicate_right")]
-    kerb = setting.edge(ahead)
+    ahead_m, offset_m = _at_kerb(setting, "bus", rng)
+    actors = [actor("bus", "bus", ahead_m, offset_m=offset_m, state="indicate_right")]
+    kerb_m = setting.edge(ahead_m)
     if "bus_stop" in setting.assets:
-        row.append(actor("stop", "bus_stop", ahead + 1.0, offset=-kerb - 2.1, heading=180.0))
+        actors.append(
+            actor("stop", "bus_stop", ahead_m + 1.0, offset_m=-kerb_m - 2.1, heading_deg=180.0)
+        )
     for number in range(1, int(rng.integers(2, 5))):
-        who = setting.choose(rng, "adult", "elderly_person", "child")
-        if who:
-            along = ahead + 3.2 - 1.7 * number + float(rng.uniform(-0.2, 0.2))
-            out = kerb + 0.5 + float(rng.uniform(0.0, 0.3))
-            heading = float(rng.uniform(50.0, 120.0))
-            row.append(actor(f"passenger-{number}", who, along, offset=-out, heading=heading))
+        asset = setting.choose(rng, "adult", "elderly_person", "child")
+        if asset:
+            along_m = ahead_m + 3.2 - 1.7 * number + float(rng.uniform(-0.2, 0.2))
+            outside_m = kerb_m + 0.5 + float(rng.uniform(0.0, 0.3))
+            heading_deg = float(rng.uniform(50.0, 120.0))
+            actors.append(
+                actor(
+                    f"passenger-{number}",
+                    asset,
+                    along_m,
+                    offset_m=-outside_m,
+                    heading_deg=heading_deg,
+                )
+            )
     quote = "a bus stands at its stop with its indicator on"
-    return demand(row, "bus", quote, ("motion", "stationary"), rest=" ahead in the lane")
+    return demand(actors, "bus", quote, ("motion", "stationary"), rest=" ahead in the lane")
 
 
 def refuse_lorry(setting: Setting, rng: np.random.Generator) -> Draft | None:
     """Return a refuse lorry that empties bins, its beacon on."""
-    if not {"garbage_truck", "worker", "wheelie_bin"} <= setting.assets.keys() or not _is_street(
-        setting
-    ):
+    if not {"garbage_truck", "worker", "wheelie_bin"} <= setting.assets.keys():
         return None
-    ahead, aside = _place(setting, "garbage_truck", rng)
+    if not _is_street(setting):
+        return None
+    ahead_m, offset_m = _at_kerb(setting, "garbage_truck", rng)
     reach = 0.5 * setting.length("garbage_truck")
-    kerb = setting.edge(ahead)
-    row = [actor("refuse-lorry", "garbage_truck", ahead, offset=aside, state="beacon")]
-    row.append(actor("loader", "worker", ahead - reach - 0.8, offset=aside - 0.7, heading=90.0))
+    kerb_m = setting.edge(ahead_m)
+    actors = [actor("refuse-lorry", "garbage_truck", ahead_m, offset_m=offset_m, state="beacon")]
+    actors.append(
+        actor("loader", "worker", ahead_m - reach - 0.8, offset_m=offset_m - 0.7, heading_deg=90.0)
+    )
     for number in range(1, int(rng.integers(3, 6))):
-        along = ahead - 9.0 + 4.6 * number + float(rng.uniform(-0.6, 0.6))
-        turn = float(rng.uniform(-12.0, 12.0))
-        row.append(actor(f"bin-{number}", "wheelie_bin", along, offset=-kerb - 0.6, heading=turn))
+        along_m = ahead_m - 9.0 + 4.6 * number + float(rng.uniform(-0.6, 0.6))
+        heading_deg = float(rng.uniform(-12.0, 12.0))
+        actors.append(
+            actor(
+                f"bin-{number}",
+                "wheelie_bin",
+                along_m,
+                offset_m=-kerb_m - 0.6,
+                heading_deg=heading_deg,
+            )
+        )
     quote = "a refuse lorry with its beacon on stands ahead and collects bins from the pavement"
-    return demand(row, "refuse lorry", quote, ("motion", "stationary"), ("state", "beacon"))
+    return demand(actors, "refuse lorry", quote, ("motion", "stationary"), ("state", "beacon"))
 
 
 def works(setting: Setting, rng: np.random.Generator) -> Draft | None:
@@ -73,20 +95,17 @@ def works(setting: Setting, rng: np.random.Generator) -> Draft | None:
         return None
     if setting.has("tunnel", "roundabout", "junction", "bridge"):
         return None
-    begin = setting.decision_m + max(setting.gap_m, FRONT_M + 1.0 + setting.room(_CALM))
+    begin = setting.decision_m + max(setting.gap_m, FRONT_M + 1.0 + setting.braking_m(_CALM))
     half = setting.half_width(begin)
-    row = (
-        _closure_of_one(setting, rng, begin, half)
-        if setting.lanes == 1
-        else _closure(setting, rng, begin, half)
-    )
-    if not row:
+    close = _close_only_lane if setting.lanes == 1 else _close_lane
+    actors = close(setting, rng, begin, half)
+    if not actors:
         return None
     quote = "road works with a sign and a row of cones close the lane ahead"
-    return demand(row, "cone", quote, ("motion", "stationary"), ("place", "ahead"))
+    return demand(actors, "cone", quote, ("motion", "stationary"), ("place", "ahead"))
 
 
-def _closure_of_one(
+def _close_only_lane(
     setting: Setting, rng: np.random.Generator, begin: float, half: float
 ) -> list[Actor]:
     """Close the only lane, with a light for alternate traffic."""
@@ -94,20 +113,22 @@ def _closure_of_one(
         return []
     machine = setting.choose(rng, "excavator", "road_roller", "generator")
     side = setting.edge(begin)
-    row = [actor("sign", "road_works_sign", max(begin - 26.0, 8.0), offset=-side - 0.6)]
+    actors = [actor("sign", "road_works_sign", max(begin - 26.0, 8.0), offset_m=-side - 0.6)]
     for number in range(4):
         across = -half + 0.3 + (2.0 * half - 0.75) * number / 3.0
-        row.append(actor(f"cone-{number + 1}", "cone", begin + 2.6 * number, offset=across))
+        actors.append(actor(f"cone-{number + 1}", "cone", begin + 2.6 * number, offset_m=across))
     end = begin + 10.9
-    row.append(actor("barrier", "barrier", end, offset=-0.1))
-    row.append(actor("worker", "worker", end + 2.2, offset=float(rng.uniform(-0.8, 0.6))))
+    actors.append(actor("barrier", "barrier", end, offset_m=-0.1))
+    actors.append(actor("worker", "worker", end + 2.2, offset_m=float(rng.uniform(-0.8, 0.6))))
     if machine:
-        row.append(actor("machine", machine, end + 7.5, offset=-0.2))
-    row.append(actor("light", "temporary_light", begin - 1.5, offset=-side - 0.5, state="red"))
-    return row
+        actors.append(actor("machine", machine, end + 7.5, offset_m=-0.2))
+    actors.append(actor("light", "temporary_light", begin - 1.5, offset_m=-side - 0.5, state="red"))
+    return actors
 
 
-def _closure(setting: Setting, rng: np.random.Generator, begin: float, half: float) -> list[Actor]:
+def _close_lane(
+    setting: Setting, rng: np.random.Generator, begin: float, half: float
+) -> list[Actor]:
     """Close the ego's lane where another lane leads the same way."""
     if "arrow_board" not in setting.assets or setting.lane not in (0, setting.lanes - 1):
         return []
@@ -116,20 +137,20 @@ def _closure(setting: Setting, rng: np.random.Generator, begin: float, half: flo
     is_fast = setting.has("highway")
     count, gap = (8, 5.0) if is_fast else (6, 3.0)
     side = setting.edge(begin, -1 if setting.lane == 0 else 1)
-    row = []
+    actors = []
     if setting.lane == 0 or is_fast:
         near = max(begin - 24.0, 8.0)
-        row.append(actor("sign", "road_works_sign", near, offset=-towards * (side + 0.6)))
+        actors.append(actor("sign", "road_works_sign", near, offset_m=-towards * (side + 0.6)))
     for number in range(count):
         across = -towards * (half - 0.3) + towards * (2.0 * half - 0.5) * number / (count - 1)
-        row.append(actor(f"cone-{number + 1}", "cone", begin + gap * number, offset=across))
+        actors.append(actor(f"cone-{number + 1}", "cone", begin + gap * number, offset_m=across))
     board = begin + gap * (count - 1) + 3.0
     state = "left" if towards > 0.0 else "right"
-    row.append(actor("board", "arrow_board", board, state=state))
+    actors.append(actor("board", "arrow_board", board, state=state))
     for number in range(3):
         along = board + 4.0 * number + 1.0
-        row.append(actor(f"edge-{number + 1}", "cone", along, offset=towards * (half - 0.15)))
-    row.append(actor("worker", "worker", board + 5.0, offset=-0.4 * towards, heading=90.0))
+        actors.append(actor(f"edge-{number + 1}", "cone", along, offset_m=towards * (half - 0.15)))
+    actors.append(actor("worker", "worker", board + 5.0, offset_m=-0.4 * towards, heading_deg=90.0))
     if machine:
-        row.append(actor("machine", machine, board + 12.0, offset=-0.2 * towards))
-    return row
+        actors.append(actor("machine", machine, board + 12.0, offset_m=-0.2 * towards))
+    return actors

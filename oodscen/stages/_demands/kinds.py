@@ -12,6 +12,7 @@ from oodscen.data._category import Category
 from oodscen.data._scene import RED_LIGHT, Actor, Scene
 from oodscen.driving._motion.behaviours import having
 from oodscen.driving._motion.off_centre import off_centre
+from oodscen.errors import DataError
 from oodscen.stages._demands.crossings import red_light, zebra
 from oodscen.stages._demands.flow import cyclist, leader, queue, slow_vehicle
 from oodscen.stages._demands.joining import ambulance, merging_car
@@ -32,38 +33,49 @@ class DemandKind(NamedTuple):
 
     id: str
     draw: Callable[[Setting, np.random.Generator], Draft | None]
-    weight: float = 1.0
+    weight: float
+    """Preference for this kind over others."""
     assets: tuple[str, ...] = ()
     """Assets by which a rare scene looks like this kind."""
     categories: tuple[Category, ...] = ()
     """Categories of such assets."""
-    does: tuple[str, ...] = ()
-    """Behaviours by which a rare scene looks like this kind, if a `doer` has them."""
-    doer: Category = "vehicle"
+    behaviours: tuple[str, ...] = ()
+    """Behaviours by which a rare scene looks like this kind, if actors of `category` have them."""
+    category: Category = "vehicle"
     """Category of the actors whose behaviours count."""
 
     def is_like(self, actors: Iterable[Actor], catalogue: Catalogue) -> bool:
         """Return whether unusual actors look like this kind."""
-        known = {asset.id: asset.category for asset in catalogue.assets}
+        categories = {asset.id: asset.category for asset in catalogue.assets}
         for actor in actors:
-            category = known.get(actor.asset)
+            category = categories.get(actor.asset)
             if actor.asset in self.assets or category in self.categories:
                 return True
-            if actor.behaviour.name in self.does and category == self.doer:
+            if actor.behaviour.name in self.behaviours and category == self.category:
                 return True
         return False
 
+    def drawn(self, setting: Setting, rng: np.random.Generator) -> Draft | None:
+        """Return a draw with its actors a little off the middle of their lanes, or `None` if the kind does not fit."""
+        try:
+            draft = self.draw(setting, rng)
+        except DataError:  # An actor would stand beyond what a scene can hold.
+            return None
+        if draft is None:
+            return None
+        return draft._replace(actors=[off_centre(actor, rng) for actor in draft.actors])
+
 
 KINDS: tuple[DemandKind, ...] = (
-    DemandKind("queue", queue, 0.8, assets=("temporary_light",), does=("stand", *_BRAKES)),
+    DemandKind("queue", queue, 0.8, assets=("temporary_light",), behaviours=("stand", *_BRAKES)),
     DemandKind(RED_LIGHT, red_light, 2.0, assets=("traffic_light", "pedestrian_light")),
-    DemandKind("leader", leader, 1.3, does=_BRAKES),
+    DemandKind("leader", leader, 1.3, behaviours=_BRAKES),
     DemandKind(
         "slow_vehicle",
         slow_vehicle,
         1.2,
         assets=("tractor", "forklift", "road_roller", "excavator", "cement_mixer"),
-        does=("follow_lane", *_BRAKES),
+        behaviours=("follow_lane", *_BRAKES),
     ),
     DemandKind("cyclist", cyclist, 1.4, categories=("cyclist",)),
     DemandKind("refuse_lorry", refuse_lorry, 1.5, assets=("garbage_truck", "wheelie_bin")),
@@ -71,17 +83,25 @@ KINDS: tuple[DemandKind, ...] = (
     DemandKind(
         "works",
         works,
+        1.0,
         assets=("excavator", "road_roller", "worker"),
         categories=("work_zone",),
     ),
-    DemandKind("zebra", zebra, 2.4, categories=("pedestrian",), does=_CROSSES, doer="pedestrian"),
+    DemandKind(
+        "zebra",
+        zebra,
+        2.4,
+        categories=("pedestrian",),
+        behaviours=_CROSSES,
+        category="pedestrian",
+    ),
     DemandKind(
         "ambulance",
         ambulance,
         0.6,
         assets=("ambulance", "police_car", "fire_truck", "tow_truck"),
     ),
-    DemandKind("merging_car", merging_car, 1.3, does=_JOINS),
+    DemandKind("merging_car", merging_car, 1.3, behaviours=_JOINS),
 )
 """All kinds."""
 
@@ -108,20 +128,20 @@ def ranked_candidates(
     number and the size of what stands before the ego, the earlier it comes, by chance. Otherwise how much there
     is to see would tell demands from rare scenes.
     """
-    unusual = [one for one in scene.actors if one.id in scene.hazard.actors]
-    found: list[tuple[bool, float, Candidate]] = []
+    unusual = [actor for actor in scene.actors if actor.id in scene.hazard.actors]
+    by_turn: list[tuple[bool, float, Candidate]] = []
     for kind in KINDS:
         if kind.is_like(unusual, setting.catalogue):
             continue
         for attempt in range(2 * _ATTEMPTS):
             rng = stream(seed, "demand", scene.id, kind.id, attempt)
-            draft = kind.draw(setting, rng)
+            draft = kind.drawn(setting, rng)
             if draft is None:
                 break
-            draft = draft._replace(actors=[off_centre(actor, rng) for actor in draft.actors])
             is_alone = attempt >= _ATTEMPTS
             candidate = Candidate(kind, draft, () if is_alone else company)
             unlike = setting.look.difference(setting.look_of(candidate.actors))
             wait = float(rng.exponential()) / (kind.weight * math.exp(-_SHARPNESS * unlike))
-            found.append((is_alone, wait, candidate))
-    return [one for *_, one in sorted(found, key=lambda row: row[:2])]
+            by_turn.append((is_alone, wait, candidate))
+    by_turn.sort(key=lambda row: row[:2])
+    return [candidate for _, _, candidate in by_turn]

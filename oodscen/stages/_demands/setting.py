@@ -20,6 +20,8 @@ from oodscen.driving._trace import Trace
 CARS = ("car", "suv", "van", "taxi", "pickup")
 """Everyday cars, drawn from wherever a kind says no more."""
 LARGE = ("truck", "bus", "van", "tanker")
+LARGE_M2 = 4.5
+"""Frontal area above which the rare scene's body is matched by a large vehicle, square metres."""
 PEOPLE = ("adult", "elderly_person", "person_with_stroller", "adult", "child")
 
 FRONT_M = 2.3
@@ -27,6 +29,12 @@ FRONT_M = 2.3
 _FAR_M = 30.0
 """Distance of the body where the rare scene has none ahead, m."""
 _IN_LANE_M = 1.7
+"""Offset from the ego's way up to which a body is in its lane, m."""
+_IN_SIGHT_M = 80.0
+"""Distance up to which a body in the lane counts, m."""
+_USUAL_AREA_M2 = 2.8
+"""Frontal area where the rare scene has no body ahead: a car's."""
+_LEAST_AREA_M2 = 0.5
 _LANE_M = 3.5
 """Usual width of a lane, m."""
 _NEAREST_M = 5.0
@@ -54,11 +62,11 @@ class NearbyBodies(NamedTuple):
     @classmethod
     def of(cls, bodies: Iterable[tuple[float, float, float]]) -> Self:
         """Return the look of bodies, given by distance ahead and to the left, m, and frontal area, square metres."""
-        found = list(bodies)
-        seen = [
-            area / (x * x + y * y) for x, y, area in found if x > _NEAREST_M and abs(y) < 0.5 * x
+        bodies = list(bodies)
+        in_view = [
+            area / (x * x + y * y) for x, y, area in bodies if x > _NEAREST_M and abs(y) < 0.5 * x
         ]
-        return cls(len(found), sum(seen) + _HARDLY)
+        return cls(len(bodies), sum(in_view) + _HARDLY)
 
     def difference(self, other: "NearbyBodies") -> float:
         """Return the logarithm of the factor by which two looks differ in number and in size."""
@@ -87,42 +95,47 @@ class Setting:
 
     @classmethod
     def of(
-        cls, scene: Scene, catalogue: Catalogue, trace: Trace, drawn: Sketch | None
+        cls, scene: Scene, catalogue: Catalogue, trace: Trace, sketch: Sketch | None
     ) -> "Setting":
         """Return the setting of a scene, from its approach up to the decision and the sketch of the decision."""
         catalogue = catalogue.for_scene(scene)
         corridor = load_corridor(scene.map, catalogue)
-        bodies = drawn.bodies if drawn else {}
-        ahead = [(body.x, name) for name, body in bodies.items() if name != "ego" and body.x > 0.0]
-        inside = [one for one in ahead if abs(bodies[one[1]].y) < _IN_LANE_M and one[0] < 80.0]
-        unusual = [one for one in ahead if one[1] in scene.hazard.actors]
-        gap, name = min(inside or unusual, default=(_FAR_M, ""))
-        known = {actor.id: catalogue.asset(actor.asset) for actor in scene.actors}
-        area = _frontal_area(known[name]) if name in known else 2.8
+        areas_m2 = {
+            actor.id: _frontal_area_m2(catalogue.asset(actor.asset)) for actor in scene.actors
+        }
+        bodies = {
+            name: body for name, body in (sketch.bodies if sketch else {}).items() if name != "ego"
+        }
+        ahead = [(body.x, name) for name, body in bodies.items() if body.x > 0.0]
+        in_lane = [
+            (x, name) for x, name in ahead if abs(bodies[name].y) < _IN_LANE_M and x < _IN_SIGHT_M
+        ]
+        unusual = [(x, name) for x, name in ahead if name in scene.hazard.actors]
+        gap_m, nearest = min(in_lane or unusual, default=(_FAR_M, ""))
         return cls(
             scene=scene,
             catalogue=catalogue,
             decision_m=float(trace["s"][-1, 0]) - corridor.start,
             speed=float(trace["speed"][-1, 0]),
             decision_s=float(trace["time"][-1, 0]),
-            gap_m=gap,
-            area_m2=max(area, 0.5),
+            gap_m=gap_m,
+            area_m2=max(areas_m2.get(nearest, _USUAL_AREA_M2), _LEAST_AREA_M2),
             look=NearbyBodies.of(
-                (body.x, body.y, _frontal_area(known[one]))
-                for one, body in bodies.items()
-                if one in known
+                (body.x, body.y, areas_m2[name])
+                for name, body in bodies.items()
+                if name in areas_m2
             ),
         )
 
     def look_of(self, actors: Iterable[Actor]) -> NearbyBodies:
         """Return the look that actors will have at the decision, as far as their placements tell."""
         bodies = []
-        for one in actors:
-            place, does = one.placement, one.behaviour
-            speed = 0.0 if does.name in STAYS else does.parameters.get("speed", 0.0)
-            ahead = place.ahead_m + speed * self.decision_s - self.decision_m
-            left = _LANE_M * place.lane + place.offset_m
-            bodies.append((ahead, left, _frontal_area(self.assets[one.asset])))
+        for actor in actors:
+            placement, behaviour = actor.placement, actor.behaviour
+            speed = 0.0 if behaviour.name in STAYS else behaviour.parameters.get("speed", 0.0)
+            ahead_m = placement.ahead_m + speed * self.decision_s - self.decision_m
+            left_m = _LANE_M * placement.lane + placement.offset_m
+            bodies.append((ahead_m, left_m, _frontal_area_m2(self.assets[actor.asset])))
         return NearbyBodies.of(bodies)
 
     @cached_property
@@ -165,21 +178,21 @@ class Setting:
     def lane_offsets(self, ahead: float) -> list[float]:
         """Return the offset of every driving lane to the left of the ego's, m."""
         corridor, s = self.corridor, self.corridor.start + ahead
-        own = corridor.centre(corridor.ego_lanes[self.lane], s)
-        return [corridor.centre(index, s) - own for index in corridor.driving]
+        centre = corridor.centre(corridor.ego_lanes[self.lane], s)
+        return [corridor.centre(index, s) - centre for index in corridor.driving]
 
     def edge(self, ahead: float, side: int = -1) -> float:
         """Return the distance from the middle of the ego's lane to the right (-1) or left (1) edge of the asphalt, m."""
         corridor, s = self.corridor, self.corridor.start + ahead
         index = corridor.ego_lanes[self.lane]
-        own = corridor.centre(index, s)
+        centre = corridor.centre(index, s)
         while 0 <= index + side < len(corridor.strips):
             if corridor.strips[index + side].kind not in DRIVABLE:
                 break
             index += side
         strip = corridor.strips[index]
         edge = strip.right if side < 0 else strip.left
-        return abs(float(edge[self._sample(s)]) - own)
+        return abs(float(edge[self._sample(s)]) - centre)
 
     def half_width(self, ahead: float) -> float:
         """Return half the width of the ego's lane, m."""
@@ -191,53 +204,50 @@ class Setting:
     def _sample(self, s: float) -> int:
         return min(max(round(s / self.corridor.step), 0), len(self.corridor.s) - 1)
 
-    def room(self, deceleration: float, to_speed: float = 0.0) -> float:
+    def braking_m(self, deceleration: float, to_speed: float = 0.0) -> float:
         """Return the distance in which the ego loses its speed at a deceleration, m."""
         return max(0.0, self.speed - to_speed) ** 2 / (2.0 * deceleration)
 
 
-def _frontal_area(asset: Asset) -> float:
+def _frontal_area_m2(asset: Asset) -> float:
     return asset.width * asset.height
 
 
 def actor(
     name: str,
     asset: str,
-    ahead: float,
+    ahead_m: float,
     *,
     lane: int = 0,
-    offset: float = 0.0,
-    heading: float = 0.0,
-    does: str = "stand",
-    start: float = 0.0,
+    offset_m: float = 0.0,
+    heading_deg: float = 0.0,
+    behaviour: str = "stand",
+    start_s: float = 0.0,
     state: str = "",
     **parameters: float,
 ) -> Actor:
-    """Return an actor `ahead` of the ego's start, m, with an offset to the left of a lane's middle, m.
-
-    The heading is in degrees, the start of its behaviour in s.
-    """
+    """Return an actor ahead of the ego's start, offset to the left of a lane's middle, and when its behaviour starts."""
     return Actor(
         id=name,
         asset=asset,
         placement=Placement(
-            ahead_m=round(ahead, 2),
+            ahead_m=round(ahead_m, 2),
             lane=lane,
-            offset_m=round(offset, 2),
-            heading_deg=round(heading, 1),
+            offset_m=round(offset_m, 2),
+            heading_deg=round(heading_deg, 1),
         ),
         behaviour=Behaviour(
-            name=does,
-            trigger=Trigger(kind="time", value=round(max(0.0, start), 2)),
+            name=behaviour,
+            trigger=Trigger(kind="time", value=round(max(0.0, start_s), 2)),
             parameters={key: round(value, 2) for key, value in parameters.items()},
         ),
         state=state,
     )
 
 
-def standing_vehicle(name: str, asset: str, ahead: float, lane: int = 0) -> Actor:
+def standing_vehicle(name: str, asset: str, ahead_m: float, lane: int = 0) -> Actor:
     """Return a vehicle of the traffic in a lane that does not move."""
-    return actor(name, asset, ahead, lane=lane, does="follow_lane", speed=0.0)
+    return actor(name, asset, ahead_m, lane=lane, behaviour="follow_lane", speed=0.0)
 
 
 def beside(lane: int) -> str:
@@ -246,16 +256,15 @@ def beside(lane: int) -> str:
 
 
 def demand(
-    actors: Sequence[Actor], subject: str, quote: str, *more: tuple[Kind, str], rest: str = ""
+    actors: Sequence[Actor], subject: str, quote: str, *facts: tuple[Kind, str], rest: str = ""
 ) -> Draft:
-    """Return a demand whose event is the quote and the rest; the quote claims that the subject is there, and more."""
-    stated: list[tuple[Kind, str]] = [("thing", "present"), *more]
-    claims = [Claim(kind=kind, value=value, subject=subject, quote=quote) for kind, value in stated]
+    """Return a demand whose event is the quote and the rest; the quote claims that the subject is there, and the facts."""
+    present: tuple[Kind, str] = ("thing", "present")
+    claims = [
+        Claim(kind=kind, value=value, subject=subject, quote=quote)
+        for kind, value in (present, *facts)
+    ]
     return Draft(actors, f"{quote}{rest}", claims)
-
-
-def everyday_name(asset: str) -> str:
-    return _NAMES.get(asset, asset.replace("_", " "))
 
 
 _NAMES = {
@@ -270,6 +279,11 @@ _NAMES = {
     "elderly_person": "person",
     "person_with_stroller": "person",
 }
+
+
+def everyday_name(asset: str) -> str:
+    """Return the noun by which a text names an asset."""
+    return _NAMES.get(asset, asset.replace("_", " "))
 
 
 def with_article(noun: str) -> str:

@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._details import DetailKinds, Details, PoseKind, check_details
-from oodscen.data._lettering import HEIGHT, strokes, width_of
 from oodscen.data._prop import Prop, check_prop
 from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger, Weather
 from oodscen.driving._base_simulator import render_checked
-from oodscen.errors import SceneError, UsageError
+from oodscen.errors import SceneError
 from oodscen.protocols import Camera, Frame, Simulator
 
 DISTANCES_M = (10.0, 15.0, 30.0)
@@ -31,9 +30,11 @@ NIGHT = Weather(sun_elevation_deg=-30.0)
 
 _LANE_SEEN = ("residential_two_lane", "urban_three_lane", "highway")
 """Maps on which things are shown, the first that a catalogue has."""
-_INK, _PAPER = 20, 250
 _TOWARDS_DEG, _ASIDE_DEG, _AWAY_DEG = 158.0, 115.0, 22.0
 """Headings at which gestures, lasting poses and animals, and the rear of a vehicle are recognised best."""
+
+_FIRST_ACTOR = 2
+"""The value of the first actor in `Frame.ids`."""
 
 Image = NDArray[np.uint8]
 
@@ -70,7 +71,8 @@ class ShownProp:
     look: PropLook
     pictures: tuple[Image, ...]
 
-    def judged(self, recognised: str, taken_for: str) -> "ShownProp":
+    def with_verdict(self, recognised: str, taken_for: str) -> "ShownProp":
+        """Return the same pictures with the verdict of a vision model."""
         look = self.look.model_copy(update={"recognised": recognised, "taken_for": taken_for})
         return ShownProp(look, self.pictures)
 
@@ -93,7 +95,7 @@ def look_at(
             turn = _ASIDE_DEG if prop.category == "animal" else 0.0
             yield _Exhibit(prop.id, prop.id, heading_deg=turn, made=(prop,))
 
-    return _seen(exhibits(), simulator, camera or Camera())
+    return _shown_props(exhibits(), simulator, camera or Camera())
 
 
 def look_at_details(simulator: Simulator, *, camera: Camera | None = None) -> Iterator[ShownProp]:
@@ -102,7 +104,7 @@ def look_at_details(simulator: Simulator, *, camera: Camera | None = None) -> It
     Yields:
         One value per pose and per part, in the catalogue's order; none if the catalogue has none.
     """
-    return _seen(_details(simulator.catalogue()), simulator, camera or Camera())
+    return _shown_props(_details(simulator.catalogue()), simulator, camera or Camera())
 
 
 @dataclass(frozen=True)
@@ -138,52 +140,61 @@ def _details(catalogue: Catalogue) -> Iterator[_Exhibit]:
 
 def _fitting(catalogue: Catalogue, asset: Asset, pose: PoseKind) -> str:
     """Return the id of what a person is shown with: small in one hand, long in both, empty if nothing fits."""
-    things = {one.id: one for one in catalogue.assets}
+    assets = {asset.id: asset for asset in catalogue.assets}
     kinds = catalogue.details or DetailKinds()
-    found = [
-        (max(one.length, one.width), name)
-        for name, one in things.items()
-        if not check_details(Details(pose=pose.id, holds=name), asset, "stand", things, kinds, {})
+    by_length = [
+        (max(thing.length, thing.width), name)
+        for name, thing in assets.items()
+        if not check_details(Details(pose=pose.id, holds=name), asset, "stand", assets, kinds, {})
     ]
     is_single = pose.grip is not None and pose.grip.how == "beside"
-    return (min if is_single else max)(found, default=(0.0, ""))[1]
+    choose = min if is_single else max
+    return choose(by_length, default=(0.0, ""))[1]
 
 
-def _seen(
+def _shown_props(
     exhibits: Iterable[_Exhibit], simulator: Simulator, camera: Camera
 ) -> Iterator[ShownProp]:
     catalogue = simulator.catalogue()
-    without = [_shown(simulator, catalogue, None, 0.0, night, camera) for night in (False, True)]
+    without = {
+        is_night: _frame(simulator, catalogue, None, 0.0, is_night, camera)
+        for is_night in (False, True)
+    }
     for exhibit in exhibits:
         views, pictures = [], []
         for is_night in (False, True):
             for distance in DISTANCES_M:
-                frame = _shown(simulator, catalogue, exhibit, distance, is_night, camera)
+                frame = _frame(simulator, catalogue, exhibit, distance, is_night, camera)
                 views.append(_view(frame, without[is_night], distance, is_night))
                 pictures.append(frame.rgb)
         look = PropLook(id=exhibit.name, views=tuple(views), faults=tuple(_faults(views, camera)))
         yield ShownProp(look, tuple(pictures))
 
 
-def _shown(
+def _frame(
     simulator: Simulator,
     catalogue: Catalogue,
-    one: _Exhibit | None,
-    distance: float,
+    exhibit: _Exhibit | None,
+    distance_m: float,
     is_night: bool,
     camera: Camera,
 ) -> Frame:
-    known = {road.id for road in catalogue.maps}
-    road = next((name for name in _LANE_SEEN if name in known), catalogue.maps[0].id)
+    """Return the picture of an exhibit before the camera, or of the empty road."""
+    roads = {road.id for road in catalogue.maps}
+    road = next((name for name in _LANE_SEEN if name in roads), catalogue.maps[0].id)
     actors: tuple[Actor, ...] = ()
-    if one is not None:
-        half = catalogue.with_made(one.made).asset(one.asset).length / 2
-        ahead = round(camera.x + distance + half, 2)
-        place = Placement(ahead_m=ahead, heading_deg=one.heading_deg)
-        shown = Actor(
-            id="prop", asset=one.asset, placement=place, state=one.state, details=one.details
+    if exhibit is not None:
+        half = catalogue.with_made(exhibit.made).asset(exhibit.asset).length / 2
+        ahead_m = round(camera.x + distance_m + half, 2)
+        actors = (
+            Actor(
+                id="prop",
+                asset=exhibit.asset,
+                placement=Placement(ahead_m=ahead_m, heading_deg=exhibit.heading_deg),
+                state=exhibit.state,
+                details=exhibit.details,
+            ),
         )
-        actors = (shown,)
     scene = Scene(
         id="prop",
         scenario_id="prop",
@@ -193,21 +204,23 @@ def _shown(
         actors=actors,
         hazard=Hazard(actors=dict.fromkeys(actor.id for actor in actors), weather=Weather()),
         decision=Trigger(kind="time", value=1.0),
-        made=() if one is None else one.made,
+        made=() if exhibit is None else exhibit.made,
     )
     state = simulator.reset(scene, 0)
     return render_checked(simulator, camera, len(state.ids))
 
 
-def _view(frame: Frame, without: Frame, distance: float, is_night: bool) -> PropView:
-    pixels = int(np.count_nonzero(frame.ids == 2))
-    away = np.abs(frame.rgb.astype(np.int16) - without.rgb.astype(np.int16)).max(axis=2)
-    own = away[frame.ids == 2]
+def _view(frame: Frame, without: Frame, distance_m: float, is_night: bool) -> PropView:
+    is_thing = frame.ids == _FIRST_ACTOR
+    pixels = int(np.count_nonzero(is_thing))
+    differences = np.abs(frame.rgb.astype(np.int16) - without.rgb.astype(np.int16)).max(axis=2)
+    of_thing = differences[is_thing]
     if frame.unhidden is not None:
         pixels = max(pixels, int(frame.unhidden[1]))
-        own = own if len(own) * 2 > pixels else np.sort(away, axis=None)[-max(1, pixels) :]
-    contrast = round(float(own.mean()), 1) if len(own) else 0.0
-    return PropView(distance_m=distance, is_night=is_night, pixels=pixels, contrast=contrast)
+        if len(of_thing) * 2 <= pixels:  # What is half transparent has few pixels of its own.
+            of_thing = np.sort(differences, axis=None)[-max(1, pixels) :]
+    contrast = round(float(of_thing.mean()), 1) if len(of_thing) else 0.0
+    return PropView(distance_m=distance_m, is_night=is_night, pixels=pixels, contrast=contrast)
 
 
 def _faults(views: Sequence[PropView], camera: Camera) -> Iterator[str]:
@@ -217,64 +230,3 @@ def _faults(views: Sequence[PropView], camera: Camera) -> Iterator[str]:
         yield f"{judged.pixels} pixels at {JUDGED_M:g} m, and {least:.0f} can be recognised"
     if judged.contrast < LEAST_CONTRAST:
         yield f"differs from the bare road by {judged.contrast:g} of 255, at least {LEAST_CONTRAST:g}"
-
-
-# ---------------------------------------------------------------------- the sheet
-
-
-def sheet(seen: Iterable[ShownProp], *, captions: bool = False, seed: int = 0) -> Image:
-    """Return a picture with one row per thing: by day and by night, at three distances.
-
-    Args:
-        seen: The things.
-        captions: Write the names beside them; otherwise the order is random, and they are only numbered.
-        seed: Seed of the order.
-
-    Raises:
-        UsageError: When there is nothing to show.
-    """
-    rows = list(seen)
-    if not rows:
-        raise UsageError("there is nothing to show: no design was given")
-    if not captions:
-        rows = [rows[index] for index in order(len(rows), seed)]
-    lines = []
-    for number, prop in enumerate(rows, start=1):
-        cells = [np.pad(_middle(picture), ((2, 2), (2, 2), (0, 0))) for picture in prop.pictures]
-        strip = np.concatenate(cells, axis=1)
-        name = f"{number}"
-        if captions:
-            told = " ".join(f"{view.pixels}" for view in prop.look.views)
-            name = f"{number} {prop.look.id.replace('_', ' ')} - PX {told}"
-        lines += [caption(name, strip.shape[1]), strip]
-    return np.concatenate(lines)
-
-
-def views_of(seen: ShownProp) -> Image:
-    """Return a picture of one thing: by day above and by night below, at the three distances."""
-    cells = [_middle(picture) for picture in seen.pictures]
-    count = len(DISTANCES_M)
-    day, night = (np.concatenate(row, axis=1) for row in (cells[:count], cells[count:]))
-    return np.concatenate((day, night))
-
-
-def order(count: int, seed: int) -> list[int]:
-    """Return the random order of the rows of a sheet without captions."""
-    return [int(i) for i in np.random.Generator(np.random.PCG64(seed)).permutation(count)]
-
-
-def caption(text: str, width: int) -> Image:
-    """Return a line of black capitals on white."""
-    dot = 2
-    image = np.full(((HEIGHT + 4) * dot, width, 3), _PAPER, np.uint8)
-    shown = text.upper()[: (width // dot - 4) // (width_of("AA") - width_of("A"))]
-    for row, start, end in strokes(shown):
-        top, left = (row + 2) * dot, (start + 2) * dot
-        image[top : top + dot, left : (end + 2) * dot] = _INK
-    return image
-
-
-def _middle(image: Image) -> Image:
-    """Return the part of a picture around the road ahead, pixel by pixel."""
-    height, width = image.shape[:2]
-    return image[height * 3 // 16 : height * 11 // 16, width // 4 : width * 3 // 4]

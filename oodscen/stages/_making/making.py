@@ -1,12 +1,11 @@
-"""Making what a catalogue lacks, so that dropped branches can be shown after all."""
+"""Making things that a catalogue lacks, so that dropped branches can be shown after all."""
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from threading import Lock
-from typing import Literal, NamedTuple, Self
+from typing import Literal, Self
 
 from oodscen._study_files import ASSETS
 from oodscen._text import one_line
-from oodscen.data._additions import Addition
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._category import Category
@@ -17,9 +16,7 @@ from oodscen.prompts._scenario.design_prop import DesignedProp, DesignProp, Know
 from oodscen.protocols import LLM, Simulator
 from oodscen.stages._making.looking import PropLook, ShownProp, look_at
 from oodscen.stages._making.recognition import PropRecogniser
-from oodscen.stages._prune.decisions import PruneDecision
-from oodscen.stages._prune.pruner import Pruner
-from oodscen.tree._scenario_tree import ScenarioTree
+from oodscen.stages._making.wanted import WantedThing
 
 
 class Made(Data):
@@ -60,15 +57,6 @@ class MadeProp(Made):
     """SHA-256 digest of the design that the pictures show."""
 
 
-class Wanted(NamedTuple):
-    """A thing that dropped leaves lack."""
-
-    name: str
-    category: Category
-    path: tuple[str, ...]
-    """Labels of the first leaf that lacks it."""
-
-
 class PropMaker:
     """Asks for the designs of things that a catalogue lacks, and looks at them.
 
@@ -86,7 +74,7 @@ class PropMaker:
         self,
         llm: LLM,
         simulator: Simulator,
-        keep: Callable[[ShownProp], None] = lambda seen: None,
+        keep: Callable[[ShownProp], None] = lambda shown: None,
         recogniser: PropRecogniser | None = None,
     ) -> None:
         self.llm = llm
@@ -96,28 +84,29 @@ class PropMaker:
         self.catalogue: Catalogue = simulator.catalogue()
         self._drawing = Lock()
 
-    def make(self, wanted: Wanted) -> MadeProp:
+    def make(self, wanted: WantedThing) -> MadeProp:
+        """Return the design of a thing, or the reason why there is none."""
         question = DesignProp(
             name=wanted.name,
             category=wanted.category,
             path=wanted.path,
             known=self._parts(wanted.category),
         )
-        asked = {"model": speaker(self.llm), "prompt": question.citation()}
-        looks: dict[str, ShownProp] = {}
+        provenance = {"model": speaker(self.llm), "prompt": question.citation()}
+        shown: dict[str, ShownProp] = {}
         try:
-            answer = ask(self.llm, question, check=lambda answer: self._faults(answer, looks))
+            answer = ask(self.llm, question, check=lambda answer: self._faults(answer, shown))
         except LLMError as error:
-            return MadeProp.failed(wanted.name, error, **asked)
+            return MadeProp.failed(wanted.name, error, **provenance)
         if answer.prop is None:
-            return MadeProp(id=wanted.name, reason=one_line(answer.cannot_make), **asked)
-        seen = looks[answer.prop.digest()]
-        if seen.look.taken_for:
-            reason = f"{seen.look.recognised}, which took it for: {seen.look.taken_for}"
-            return MadeProp(id=wanted.name, reason=reason, **asked)
-        self.keep(seen)
+            return MadeProp(id=wanted.name, reason=one_line(answer.cannot_make), **provenance)
         drawn = answer.prop.digest()
-        return MadeProp(id=wanted.name, prop=answer.prop, look=seen.look, drawn=drawn, **asked)
+        look = shown[drawn].look
+        if look.taken_for:
+            reason = f"{look.recognised}, which took it for: {look.taken_for}"
+            return MadeProp(id=wanted.name, reason=reason, **provenance)
+        self.keep(shown[drawn])
+        return MadeProp(id=wanted.name, prop=answer.prop, look=look, drawn=drawn, **provenance)
 
     def draw(self, made: MadeProp) -> MadeProp:
         """Look at a design as it is now; one that was changed counts as not shown to be recognised.
@@ -132,12 +121,12 @@ class PropMaker:
         if prop.id != made.id:
             raise DataError(Prop.noun, [Issue("prop.id", f"must be {made.id}")], source=source)
         try:
-            (seen,) = look_at([prop], self.simulator)
+            (shown,) = look_at([prop], self.simulator)
         except SceneError as error:
             raise DataError(Prop.noun, error.issues, source=source) from None
-        self.keep(seen)
-        is_same = made.drawn in ("", prop.digest())
-        look = made.look if is_same else seen.look
+        self.keep(shown)
+        is_unchanged = made.drawn in ("", prop.digest())
+        look = made.look if is_unchanged else shown.look
         return made.model_copy(update={"look": look, "drawn": prop.digest()})
 
     def _parts(self, category: Category) -> tuple[KnownPart, ...]:
@@ -150,7 +139,8 @@ class PropMaker:
             if asset.category in ("object", "work_zone", "vegetation", "signal", category)
         )
 
-    def _faults(self, answer: DesignedProp, looks: dict[str, ShownProp]) -> Sequence[Issue]:
+    def _faults(self, answer: DesignedProp, shown: dict[str, ShownProp]) -> Sequence[Issue]:
+        """Return the faults of a design, and add its pictures to those `shown` by digest."""
         prop = answer.prop
         if prop is None:
             return []
@@ -159,88 +149,20 @@ class PropMaker:
             return [Issue(f"prop.{issue.path}", issue.message) for issue in faults]
         try:
             with self._drawing:
-                (seen,) = look_at([prop], self.simulator)
+                (pictured,) = look_at([prop], self.simulator)
         except OodscenError as error:
             return [Issue("prop", f"the simulator cannot show it: {one_line(str(error))}")]
-        if seen.look.faults or self.recogniser is None:
-            looks[prop.digest()] = seen
-            return [Issue("prop.parts", fault) for fault in seen.look.faults]
-        taken_for = self.recogniser.mistakes(prop, seen)
+        if pictured.look.faults or self.recogniser is None:
+            shown[prop.digest()] = pictured
+            return [Issue("prop.parts", fault) for fault in pictured.look.faults]
+        was_mistaken = any(earlier.look.taken_for for earlier in shown.values())
+        taken_for = self.recogniser.mistake(prop, pictured)
         verdict = f"{'not ' if taken_for else ''}named by {self.recogniser.name}"
-        is_first = not any(shown.look.taken_for for shown in looks.values())
-        looks[prop.digest()] = seen.judged(verdict, taken_for)
-        if not (taken_for and is_first):
+        shown[prop.digest()] = pictured.with_verdict(verdict, taken_for)
+        if was_mistaken or not taken_for:
             return []
-        fault = f"whoever saw it without its name took it for: {taken_for}. Make what tells it apart larger and clearer"
+        fault = (
+            f"whoever saw it without its name took it for: {taken_for}. Make what tells it apart larger and "
+            "clearer"
+        )
         return [Issue("prop.parts", fault)]
-
-
-def is_makeable(decision: PruneDecision) -> bool:
-    """Return whether a dropped leaf lacks nothing but things and movements, which can be made."""
-    return (
-        not decision.keep
-        and decision.status == "ok"
-        and not decision.made
-        and bool(decision.lacks)
-        and all(lack.kind in ("asset", "behaviour") for lack in decision.lacks)
-    )
-
-
-def additions_to_make(decision: PruneDecision) -> tuple[Addition, ...]:
-    """Return what is to be made for a leaf, or was made for it."""
-    return decision.lacks if is_makeable(decision) else decision.made_as
-
-
-def wanted_things(
-    tree: ScenarioTree, decisions: Iterable[PruneDecision], catalogue: Catalogue
-) -> list[Wanted]:
-    """Return the things whose making may restore dropped leaves, each once, in the order of the tree."""
-    by_id = {prune_decision.id: prune_decision for prune_decision in decisions}
-    known = {asset.id for asset in catalogue.assets}
-    found: dict[str, Wanted] = {}
-    for leaf in tree.leaves:
-        decision = by_id.get(leaf.id)
-        if decision is not None:
-            for addition in additions_to_make(decision):
-                if addition.kind == "asset" and is_id(addition) and addition.name not in known:
-                    category = addition.category or "object"
-                    found.setdefault(addition.name, Wanted(addition.name, category, decision.path))
-    return list(found.values())
-
-
-def judged_again(
-    pruner: Pruner,
-    tree: ScenarioTree,
-    decisions: Sequence[PruneDecision],
-    made: Collection[str],
-) -> list[PruneDecision]:
-    """Judge the leaves again whose lacking things and movements have all been `made`.
-
-    The pruner's catalogue must have them. A leaf is kept only if it is shown with a thing that was made for it.
-    """
-    names = {
-        decision.id: tuple(lack.name for lack in decision.lacks)
-        for decision in decisions
-        if is_makeable(decision) and all(lack.name in made for lack in decision.lacks)
-    }
-    others = {leaf.id for leaf in tree.leaves if leaf.id not in names}
-    before = {decision.id: decision for decision in decisions}
-    found = []
-    for decision in pruner.decisions(tree, others):
-        if decision.status == "ok":
-            lacks = decision.lacks if decision.keep else decision.lacks or before[decision.id].lacks
-            made_as = before[decision.id].lacks
-            update = {"made": names[decision.id], "made_as": made_as, "lacks": lacks}
-            found.append(decision.model_copy(update=update))
-    return found
-
-
-def is_id(addition: Addition) -> bool:
-    """Return whether an addition has a name that can be an id."""
-    name = addition.name
-    return (
-        2 <= len(name) <= 40
-        and name[0].isalpha()
-        and name.replace("_", "").isalnum()
-        and name.isascii()
-    )

@@ -1,21 +1,18 @@
 """Making movements that a catalogue lacks, so that dropped branches can be shown after all."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import NamedTuple
 
 from oodscen._study_files import MOTIONS
 from oodscen._text import one_line
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._category import Category
 from oodscen.data._motion import ABILITIES, Motion
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
 from oodscen.errors import Issue, LLMError, OodscenError
 from oodscen.llm._ask import ask, speaker
 from oodscen.prompts._scenario.design_motion import DesignedMotion, DesignMotion
 from oodscen.protocols import LLM, Control, Simulator
-from oodscen.stages._making.making import Made, additions_to_make, is_id
-from oodscen.stages._prune.decisions import PruneDecision
-from oodscen.tree._scenario_tree import ScenarioTree
+from oodscen.stages._making.making import Made
+from oodscen.stages._making.wanted import WantedMotion
 
 _TRIAL_S = 3.0
 """Time for which a movement is tried in the simulator, s."""
@@ -26,16 +23,6 @@ class MadeMotion(Made):
 
     motion: Motion | None = None
     """`None` if it could not be made."""
-
-
-class WantedMotion(NamedTuple):
-    """A movement that dropped leaves lack."""
-
-    name: str
-    path: tuple[str, ...]
-    """Labels of the first leaf that lacks it."""
-    categories: tuple[Category, ...]
-    """Categories of the things that this leaf lacks besides; empty if it lacks none."""
 
 
 class MotionMaker:
@@ -58,13 +45,13 @@ class MotionMaker:
             reason = f"{self.simulator.name} moves bodies by itself and plays no motions"
             return MadeMotion(id=wanted.name, reason=reason)
         question = DesignMotion(**wanted._asdict())
-        asked = {"model": speaker(self.llm), "prompt": question.citation()}
+        provenance = {"model": speaker(self.llm), "prompt": question.citation()}
         try:
             answer = ask(self.llm, question, check=self._faults)
         except LLMError as error:
-            return MadeMotion.failed(wanted.name, error, **asked)
+            return MadeMotion.failed(wanted.name, error, **provenance)
         reason = "" if answer.motion else one_line(answer.cannot_make)
-        return MadeMotion(id=wanted.name, motion=answer.motion, reason=reason, **asked)
+        return MadeMotion(id=wanted.name, motion=answer.motion, reason=reason, **provenance)
 
     def _faults(self, answer: DesignedMotion) -> Sequence[Issue]:
         motion = answer.motion
@@ -102,26 +89,6 @@ def trial_scene(motion: Motion, catalogue: Catalogue) -> Scene | None:
         decision=Trigger(kind="time", value=1.0),
         motions=(motion,),
     )
-
-
-def wanted_motions(
-    tree: ScenarioTree, decisions: Iterable[PruneDecision], catalogue: Catalogue
-) -> list[WantedMotion]:
-    """Return the movements whose making may restore dropped leaves, each once, in the order of the tree."""
-    by_id = {prune_decision.id: prune_decision for prune_decision in decisions}
-    known = {kind.id for kind in catalogue.behaviours}
-    found: dict[str, WantedMotion] = {}
-    for leaf in tree.leaves:
-        decision = by_id.get(leaf.id)
-        if decision is None:
-            continue
-        additions = additions_to_make(decision)
-        things = dict.fromkeys(addition.category for addition in additions if addition.category)
-        for addition in additions:
-            if addition.kind == "behaviour" and is_id(addition) and addition.name not in known:
-                motion = WantedMotion(addition.name, decision.path, tuple(things))
-                found.setdefault(addition.name, motion)
-    return list(found.values())
 
 
 def made_motions(rows: Iterable[Mapping[str, object]]) -> dict[str, Motion]:

@@ -1,6 +1,8 @@
 """Showing things made to order to a vision model that does not know their names."""
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +17,8 @@ from oodscen.llm._ask import ask, speaker
 from oodscen.prompts._scenario.recognise_prop import RecogniseProp
 from oodscen.protocols import LLM
 from oodscen.stages._making.looking import DISTANCES_M, ShownProp
+
+Item = TypeVar("Item")
 
 OPTIONS = 8
 """Number of things that a model chooses among, and "none of these"."""
@@ -37,8 +41,8 @@ class PropRecogniser:
     def name(self) -> str:
         return speaker(self.llm)
 
-    def mistakes(self, prop: Prop, seen: ShownProp) -> str:
-        """Return what the model takes a thing for; empty if it names it.
+    def mistake(self, prop: Prop, shown: ShownProp) -> str:
+        """Return the thing for which the model takes another; empty if it names it.
 
         Raises:
             LLMError: When the model gives no valid answer.
@@ -47,7 +51,7 @@ class PropRecogniser:
         with temporary_folder() as folder:
             pictures = tuple(
                 _saved(Path(folder), f"{prop.id}-{distance:g}m.jpg", picture)
-                for distance, picture in zip(DISTANCES_M, seen.pictures, strict=False)
+                for distance, picture in zip(DISTANCES_M, shown.pictures, strict=False)
             )
             answer = ask(self.llm, RecogniseProp(pictures=pictures, labels=labels))
         chosen = labels[answer.choice - 1]
@@ -61,20 +65,24 @@ def options(prop: Prop, catalogue: Catalogue) -> tuple[str, ...]:
 
     The order depends on the design alone. Things that share a word with it are left out: they could be right too.
     """
-    draw = np.random.Generator(np.random.PCG64(int(prop.digest()[:12], 16)))
-    own = _words(f"{prop.id} {prop.description}")
-    others = [
-        asset
-        for asset in catalogue.assets
-        if asset.description and own.isdisjoint(_words(f"{asset.id} {asset.description}"))
-    ]
-    order = [others[place] for place in draw.permutation(len(others))]
-    order.sort(key=lambda one: one.category != prop.category)
-    near, far = order[: OPTIONS // 2], order[OPTIONS // 2 :]
-    far = [far[place] for place in draw.permutation(len(far))]
-    chosen = [one.description for one in (*near, *far)][: OPTIONS - 1]
-    labels = [prop.description, *dict.fromkeys(chosen)]
-    return (*(labels[place] for place in draw.permutation(len(labels))), NONE)
+    rng = np.random.Generator(np.random.PCG64(int(prop.digest()[:12], 16)))
+    words = _words(f"{prop.id} {prop.description}")
+    others = _shuffled(
+        [
+            asset
+            for asset in catalogue.assets
+            if asset.description and words.isdisjoint(_words(f"{asset.id} {asset.description}"))
+        ],
+        rng,
+    )
+    others.sort(key=lambda asset: asset.category != prop.category)
+    near, far = others[: OPTIONS // 2], _shuffled(others[OPTIONS // 2 :], rng)
+    descriptions = [asset.description for asset in (*near, *far)][: OPTIONS - 1]
+    return (*_shuffled([prop.description, *dict.fromkeys(descriptions)], rng), NONE)
+
+
+def _shuffled(items: Sequence[Item], rng: np.random.Generator) -> list[Item]:
+    return [items[index] for index in rng.permutation(len(items))]
 
 
 def _words(text: str) -> set[str]:

@@ -94,31 +94,33 @@ def all_decisions(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[P
     judged = alike(tree, judged)
     leaves = {decision.id for decision in judged}
     return [
-        fate if fate.id in leaves else fate.model_copy(update={"path": tree.path(fate.id)})
-        for fate in fates(tree, judged)
+        decision
+        if decision.id in leaves
+        else decision.model_copy(update={"path": tree.path(decision.id)})
+        for decision in decisions_on_nodes(tree, judged)
     ]
 
 
-def fates(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:
+def decisions_on_nodes(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:
     """Extend the decisions on leaves to every node; inner nodes get no path."""
     by_id = {decision.id: decision for decision in judged}
     for node, _ in reversed(list(tree.walk())):
         if node.id in by_id:
             continue
-        children = tree.children[node.id]
-        kept = [child for child in children if by_id[child].keep]
-        is_whole = bool(children) and all(by_id[child].match == "full" for child in children)
-        match: Match = "full" if is_whole else "part" if kept else "none"
+        children = [by_id[child] for child in tree.children[node.id]]
+        kept = [child for child in children if child.keep]
+        match: Match = "part" if kept else "none"
+        if children and all(child.match == "full" for child in children):
+            match = "full"
         reason = f"{len(kept)} of {len(children)} branches can be shown"
-        below = [by_id[child] for child in kept]
         by_id[node.id] = PruneDecision(
             id=node.id,
             path=(),
             keep=bool(kept) or node.parent is None,
             reason=reason if children else "nothing lies below it",
             match=match,
-            **{name: _all(below, name) for name in (*MEANS, "substitutes")},
-            catalogue=next((by_id[child].catalogue for child in children), ""),
+            **{name: _united(kept, name) for name in (*MEANS, "substitutes")},
+            catalogue=children[0].catalogue if children else "",
         )
     return [by_id[node.id] for node, _ in tree.walk()]
 
@@ -128,23 +130,15 @@ def alike(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDeci
     judged = list(judged)
     order = {node.id: number for number, node in enumerate(tree.nodes)}
     groups: dict[tuple[frozenset[str], ...], list[str]] = {}
-    for decision in sorted(
-        judged, key=lambda prune_decision: order.get(prune_decision.id, len(order))
-    ):
+    for decision in sorted(judged, key=lambda decision: order.get(decision.id, len(order))):
         if decision.keep and any(means := _means(decision)):
             groups.setdefault(means, []).append(decision.id)
-    return [
-        prune_decision.model_copy(
-            update={
-                "same_as": tuple(
-                    i for i in groups.get(_means(prune_decision), ()) if i != prune_decision.id
-                )
-            }
-            if prune_decision.keep
-            else {"same_as": ()}
-        )
-        for prune_decision in judged
-    ]
+    marked = []
+    for decision in judged:
+        group = groups.get(_means(decision), []) if decision.keep else []
+        same_as = tuple(leaf for leaf in group if leaf != decision.id)
+        marked.append(decision.model_copy(update={"same_as": same_as}))
+    return marked
 
 
 @checked
@@ -153,16 +147,19 @@ def apply_decisions(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> Scen
 
     A narrowed leaf stays attested only if its new label still names what the paper simulated.
     """
-    return tree.apply(*map(_edit, reversed(fates(tree, judged))))
+    return tree.apply(*map(_edit, reversed(decisions_on_nodes(tree, judged))))
 
 
 def _edit(decision: PruneDecision) -> TreeEdit:
-    is_narrowed = decision.keep and bool(decision.label)
+    op: Literal["keep", "narrow", "remove"] = "keep" if decision.keep else "remove"
+    label = attested = None
+    if decision.keep and decision.label:
+        op, label, attested = "narrow", decision.label, attestation(decision.label)
     return TreeEdit(
-        op="narrow" if is_narrowed else "keep" if decision.keep else "remove",
+        op=op,
         node=decision.id,
-        label=decision.label if is_narrowed else None,
-        attested=attestation(decision.label) if is_narrowed else None,
+        label=label,
+        attested=attested,
         stage="prune",
         reason=decision.reason or decision.error or "",
         model=decision.model,
@@ -174,7 +171,8 @@ def _means(decision: PruneDecision) -> tuple[frozenset[str], ...]:
     return tuple(frozenset(getattr(decision, name)) for name in MEANS)
 
 
-def _all(below: Sequence[PruneDecision], field: str) -> tuple[Any, ...]:
-    if len(below) == 1:
-        return tuple(getattr(below[0], field))
-    return tuple(dict.fromkeys(one for decision in below for one in getattr(decision, field)))
+def _united(decisions: Sequence[PruneDecision], field: str) -> tuple[Any, ...]:
+    """Return the entries of a field of all decisions, each once."""
+    return tuple(
+        dict.fromkeys(entry for decision in decisions for entry in getattr(decision, field))
+    )

@@ -32,6 +32,8 @@ from oodscen.tree._scenario_tree import Node, ScenarioTree
 
 TOGETHER = 8
 """Number of leaves that one question is about: the catalogue is longer than all that is said of them."""
+_LONGEST_REASON = 1_000
+"""Number of characters of a reason that are kept."""
 
 
 class Pruner(Brief):
@@ -118,24 +120,23 @@ class Pruner(Brief):
         self, leaves: Sequence[Node], paths: Sequence[tuple[str, ...]]
     ) -> list[PruneDecision]:
         """Judge leaves in one call, or one by one if the model does not manage several."""
-        asked = list(zip(leaves, paths, strict=True))
-        if len(asked) > 1:
-            question = JudgeBranches(
-                paths=tuple(paths), catalogue=self.catalogue, exact=not self.substitutes
-            )
-            try:
-                by_number = {
-                    judgement.number: judgement for judgement in ask(self.llm, question).judgements
-                }
-            except LLMError as error:
-                if error.retryable:
-                    return [self._failed(leaf, path, error, question) for leaf, path in asked]
-            else:
-                return [
-                    self._decision(leaf, path, by_number[number], question)
-                    for number, (leaf, path) in enumerate(asked, start=1)
-                ]
-        return [self._judge(leaf, path) for leaf, path in asked]
+        branches = list(zip(leaves, paths, strict=True))
+        if len(branches) == 1:
+            return [self._judge(leaf, path) for leaf, path in branches]
+        question = JudgeBranches(
+            paths=tuple(paths), catalogue=self.catalogue, exact=not self.substitutes
+        )
+        try:
+            judgements = ask(self.llm, question).judgements
+        except LLMError as error:
+            if error.retryable:
+                return [self._failed(leaf, path, error, question) for leaf, path in branches]
+            return [self._judge(leaf, path) for leaf, path in branches]
+        by_number = {judgement.number: judgement for judgement in judgements}
+        return [
+            self._decision(leaf, path, by_number[number], question)
+            for number, (leaf, path) in enumerate(branches, start=1)
+        ]
 
     def _judge(self, leaf: Node, path: tuple[str, ...]) -> PruneDecision:
         judge = JudgeBranch(path=path, catalogue=self.catalogue, exact=not self.substitutes)
@@ -145,7 +146,7 @@ class Pruner(Brief):
         except LLMError as error:
             return self._failed(leaf, path, error, question)
 
-    def _asked(self, question: Prompt[Any]) -> dict[str, str]:
+    def _provenance(self, question: Prompt[Any]) -> dict[str, str]:
         model = speaker(self.llm)
         return {"catalogue": self.name, "model": model, "prompt": question.citation()}
 
@@ -159,28 +160,28 @@ class Pruner(Brief):
             status="failed",
             error=str(error),
             retryable=error.retryable,
-            **self._asked(question),
+            **self._provenance(question),
         )
 
     def _decision(
         self, leaf: Node, path: tuple[str, ...], answer: BranchJudgement, question: Prompt[Any]
     ) -> PruneDecision:
-        standing = tuple(
+        substitutes = tuple(
             SubstitutedAsset(asset=substitute.asset, stands_for=substitute.stands_for)
             for substitute in answer.substitutes
         )
-        keep = answer.simulatable and (self.substitutes or not standing)
+        keep = answer.simulatable and (self.substitutes or not substitutes)
         match: Match = "full"
         if not keep:
             match = "none"
         elif answer.label:
             match = "part"
-        elif standing:
+        elif substitutes:
             match = "substitute"
         lacks = tuple(dict.fromkeys(answer.missing)) if match != "full" else ()
         if answer.simulatable and not keep:
-            lacks = lacks or self._stood_for(standing)
-        reason = one_line(answer.reasoning)[:1_000] or _said(keep, lacks)
+            lacks = lacks or self._stood_for(substitutes)
+        reason = one_line(answer.reasoning)[:_LONGEST_REASON] or _default_reason(keep, lacks)
         means = {name: tuple(dict.fromkeys(getattr(answer, name))) for name in MEANS}
         return PruneDecision(
             id=leaf.id,
@@ -190,27 +191,29 @@ class Pruner(Brief):
             match=match,
             label=one_line(answer.label) if keep else "",
             **means if keep else {},
-            substitutes=standing if keep else (),
+            substitutes=substitutes if keep else (),
             missing=tuple(lack.words for lack in lacks),
             lacks=lacks,
-            **self._asked(question),
+            **self._provenance(question),
         )
 
-    def _stood_for(self, standing: Sequence[SubstitutedAsset]) -> tuple[Addition, ...]:
+    def _stood_for(self, substitutes: Sequence[SubstitutedAsset]) -> tuple[Addition, ...]:
         """Return the things that refused substitutes stand for, as additions to the catalogue."""
-        category = {asset.id: asset.category for asset in self.catalogue.assets}
+        categories = {asset.id: asset.category for asset in self.catalogue.assets}
         return tuple(
             Addition(
                 kind="asset",
-                name=substituted_asset.stands_for,
-                category=category.get(substituted_asset.asset),
+                name=substitute.stands_for,
+                category=categories.get(substitute.asset),
             )
-            for substituted_asset in standing
+            for substitute in substitutes
         )
 
 
-def _said(keep: bool, lacks: Sequence[Addition]) -> str:
+def _default_reason(keep: bool, lacks: Sequence[Addition]) -> str:
     """Return a reason for a decision whose model gave none."""
     if keep:
         return "the model says that it can be shown"
-    return f"missing: {', '.join(lack.words for lack in lacks)}" if lacks else "no reason was given"
+    if lacks:
+        return f"missing: {', '.join(lack.words for lack in lacks)}"
+    return "no reason was given"

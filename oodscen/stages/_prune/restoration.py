@@ -61,6 +61,12 @@ class Restoration(Data):
     """Ids of leaves for which the model gave no answer."""
 
 
+Needs = dict[str, tuple[Addition, ...]]
+"""The additions that restore each dropped leaf, by its id."""
+Wanted = frozenset[Addition]
+"""Additions that restore leaves together."""
+
+
 @checked
 def restoration(decisions: Iterable[PruneDecision]) -> Restoration:
     """Rank the additions that would restore the branches that pruning dropped.
@@ -71,25 +77,18 @@ def restoration(decisions: Iterable[PruneDecision]) -> Restoration:
     Args:
         decisions: Decisions on leaves, or on every node; inner nodes are ignored.
     """
-    everything = list(decisions)
-    inner = {decision.path[:-1] for decision in everything}
+    decisions = list(decisions)
+    inner = {decision.path[:-1] for decision in decisions}
     leaves = [
-        decision for decision in everything if decision.path not in inner and len(decision.path) > 2
+        decision for decision in decisions if decision.path not in inner and len(decision.path) > 2
     ]
     dropped = [leaf for leaf in leaves if not leaf.keep and leaf.status == "ok"]
-    first: dict[tuple[str, str], Addition] = {}
-    needs = {
-        decision.id: tuple(
-            dict.fromkeys(first.setdefault(_key(lack), lack) for lack in decision.lacks)
-        )
-        for decision in dropped
-        if decision.lacks and all(addition.kind != "other" for addition in decision.lacks)
-    }
+    needs = _needs(dropped)
     return Restoration(
         catalogue=next((leaf.catalogue for leaf in leaves if leaf.catalogue), ""),
         kept=sum(leaf.keep for leaf in leaves),
         dropped=sum(not leaf.keep for leaf in leaves),
-        single=_ranked(_alone(needs)),
+        single=_ranked(_single(needs)),
         categories=_ranked(_by_category(needs)),
         sequence=_sequence(needs),
         beyond=tuple(decision.id for decision in dropped if decision.id not in needs),
@@ -97,15 +96,25 @@ def restoration(decisions: Iterable[PruneDecision]) -> Restoration:
     )
 
 
-def _key(addition: Addition) -> tuple[str, str]:
-    """Return the key under which two additions are the same, ignoring the category from the model."""
-    return addition.kind, addition.name.casefold()
+def _needs(dropped: Iterable[PruneDecision]) -> Needs:
+    """Return the additions that restore each leaf, without leaves that no addition restores.
+
+    Additions of one kind and name are one, whatever category and case the model gave them.
+    """
+    first: dict[tuple[str, str], Addition] = {}
+    needs: Needs = {}
+    for leaf in dropped:
+        if not leaf.lacks or any(lack.kind == "other" for lack in leaf.lacks):
+            continue
+        additions = (
+            first.setdefault((lack.kind, lack.name.casefold()), lack) for lack in leaf.lacks
+        )
+        needs[leaf.id] = tuple(dict.fromkeys(additions))
+    return needs
 
 
-Needs = dict[str, tuple[Addition, ...]]
-
-
-def _alone(needs: Needs) -> Iterable[Unlocked]:
+def _single(needs: Needs) -> Iterable[Unlocked]:
+    """Yield every addition by itself."""
     users: dict[Addition, list[str]] = {}
     for leaf, lacks in needs.items():
         for lack in lacks:
@@ -114,11 +123,12 @@ def _alone(needs: Needs) -> Iterable[Unlocked]:
     for addition in users:
         brought = _closure(frozenset({addition}), users)
         helped = sorted({leaf for lack in brought for leaf in users[lack]}, key=order.__getitem__)
-        alone = tuple(leaf for leaf in helped if brought.issuperset(needs[leaf]))
-        yield Unlocked(additions=(addition,), paths=alone, helps=len(helped))
+        restored = tuple(leaf for leaf in helped if brought.issuperset(needs[leaf]))
+        yield Unlocked(additions=(addition,), paths=restored, helps=len(helped))
 
 
 def _by_category(needs: Needs) -> Iterable[Unlocked]:
+    """Yield the missing assets of every category together."""
     groups: dict[Category, list[Addition]] = {}
     for addition in dict.fromkeys(lack for lacks in needs.values() for lack in lacks):
         if addition.kind == "asset" and addition.category is not None:
@@ -127,55 +137,60 @@ def _by_category(needs: Needs) -> Iterable[Unlocked]:
         restored = tuple(
             leaf
             for leaf, lacks in needs.items()
-            if all(any(one.brings(lack) for one in group) for lack in lacks)
+            if all(any(addition.brings(lack) for addition in group) for lack in lacks)
         )
         helps = sum(not set(lacks).isdisjoint(group) for lacks in needs.values())
         yield Unlocked(additions=tuple(group), category=category, paths=restored, helps=helps)
 
 
-def _ranked(found: Iterable[Unlocked]) -> tuple[Unlocked, ...]:
-    return tuple(sorted(found, key=lambda one: (-len(one.paths), -one.helps, one.words)))
-
-
-Wanted = frozenset[Addition]
+def _ranked(unlocked: Iterable[Unlocked]) -> tuple[Unlocked, ...]:
+    return tuple(sorted(unlocked, key=lambda each: (-len(each.paths), -each.helps, each.words)))
 
 
 def _sequence(needs: Needs) -> tuple[RestorationStep, ...]:
     """Build the sequence greedily: each step is the set of lacks that restores most leaves per addition."""
     order = {leaf: number for number, leaf in enumerate(needs)}
-    groups: dict[Wanted, list[str]] = {}
+    leaves: dict[Wanted, list[str]] = {}
     for leaf, lacks in needs.items():
-        groups.setdefault(frozenset(lacks), []).append(leaf)
+        leaves.setdefault(frozenset(lacks), []).append(leaf)
     steps: list[RestorationStep] = []
     total = 0
-    while groups:
+    while leaves:
         users: dict[Addition, set[Wanted]] = {}
-        for wanted in groups:
+        for wanted in leaves:
             for addition in wanted:
                 users.setdefault(addition, set()).add(wanted)
-        closed = {wanted: _closure(wanted, users) for wanted in groups}
+        closed = {wanted: _closure(wanted, users) for wanted in leaves}
         restored = {
             wanted: {other for lack in closure for other in users[lack] if other <= closure}
             for wanted, closure in closed.items()
         }
-        worth = {
-            wanted: (-sum(len(groups[g]) for g in restored[wanted]) / len(wanted), len(wanted))
-            for wanted in groups
+        ranks = {
+            wanted: (
+                -sum(len(leaves[other]) for other in restored[wanted]) / len(wanted),
+                len(wanted),
+            )
+            for wanted in leaves
         }
-        first = min(worth.values())
+        best_rank = min(ranks.values())
         best = min(
-            (group for group in groups if worth[group] == first),
+            (wanted for wanted in leaves if ranks[wanted] == best_rank),
             key=lambda wanted: sorted(addition.words for addition in wanted),
         )
-        paths = sorted((leaf for g in restored[best] for leaf in groups[g]), key=order.__getitem__)
+        paths = [leaf for other in restored[best] for leaf in leaves[other]]
         total += len(paths)
-        additions = tuple(sorted(best, key=lambda one: one.words))
-        steps.append(RestorationStep(additions=additions, paths=tuple(paths), total=total))
-        left: dict[Wanted, list[str]] = {}
-        for wanted, leaves in groups.items():
+        steps.append(
+            RestorationStep(
+                additions=tuple(sorted(best, key=lambda addition: addition.words)),
+                paths=tuple(sorted(paths, key=order.__getitem__)),
+                total=total,
+            )
+        )
+        remaining: dict[Wanted, list[str]] = {}
+        for wanted, ids in leaves.items():
             if wanted not in restored[best]:
-                left.setdefault(wanted - closed[best], []).extend(leaves)
-        groups = left
+                remaining.setdefault(wanted - closed[best], []).extend(ids)
+        leaves = remaining
     return tuple(steps)
 
 
@@ -184,12 +199,15 @@ def _closure(wanted: Wanted, users: Mapping[Addition, object]) -> Wanted:
     if all(addition.kind != "map" for addition in wanted):
         return wanted
     maps = [addition for addition in wanted if addition.kind == "map"]
-    brought = (user for user in users if user.kind == "map" and any(m.brings(user) for m in maps))
-    return wanted.union(brought)
+    return wanted.union(
+        user
+        for user in users
+        if user.kind == "map" and any(addition.brings(user) for addition in maps)
+    )
 
 
 def restoration_rows(
-    found: Restoration, labels: dict[str, str], *, limit: int = 10
+    ranking: Restoration, labels: dict[str, str], *, limit: int = 10
 ) -> list[dict[str, str | int]]:
     """Return the ranking as table rows: `addition`, `paths`, `helps` and the leaves' `labels`.
 
@@ -197,10 +215,10 @@ def restoration_rows(
     """
     return [
         {
-            "addition": one.words,
-            "paths": len(one.paths),
-            "helps": one.helps,
-            "labels": "; ".join(labels.get(leaf, leaf) for leaf in one.paths),
+            "addition": unlocked.words,
+            "paths": len(unlocked.paths),
+            "helps": unlocked.helps,
+            "labels": "; ".join(labels.get(leaf, leaf) for leaf in unlocked.paths),
         }
-        for one in found.single[:limit]
+        for unlocked in ranking.single[:limit]
     ]

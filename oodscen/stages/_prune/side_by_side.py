@@ -1,5 +1,6 @@
 """Comparisons of one tree pruned for several simulators."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import ClassVar, Literal, Self, get_args
 
@@ -10,7 +11,8 @@ from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._category import Category
 from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG, PRECIPITATIONS
-from oodscen.stages._prune.decisions import Match, PruneDecision, alike, fates
+from oodscen.errors import UsageError
+from oodscen.stages._prune.decisions import Match, PruneDecision, alike, decisions_on_nodes
 from oodscen.stages._prune.restoration import Restoration, restoration
 from oodscen.tree._scenario_tree import ScenarioTree
 
@@ -62,10 +64,10 @@ class CatalogueTally(Data):
             text += f"; {self.failed} could not be judged"
         if self.absent:
             text += f"; nothing at all of: {', '.join(self.absent)}"
-        best = [one for one in self.restoration.single if one.paths][:3]
+        best = [unlocked for unlocked in self.restoration.single if unlocked.paths][:3]
         if best:
-            listed = ", ".join(f"{one.words} ({len(one.paths)})" for one in best)
-            text += f"\n  would restore most: {listed}"
+            ranking = ", ".join(f"{unlocked.words} ({len(unlocked.paths)})" for unlocked in best)
+            text += f"\n  would restore most: {ranking}"
         return text
 
 
@@ -105,12 +107,11 @@ class CatalogueComparison(Data):
 
     def __str__(self) -> str:
         """Return the figures, then one line per leaf and catalogue, for a terminal."""
-        parts = [
-            f"{tally}\n  {tally.alone} branches that no other shows"
-            if len(self.tallies) > 1
-            else str(tally)
-            for tally in self.tallies
-        ]
+        parts = []
+        for tally in self.tallies:
+            parts.append(str(tally))
+            if len(self.tallies) > 1:
+                parts.append(f"  {tally.alone} branches that no other shows")
         for line in self.lines:
             parts.append(f"\n{' > '.join(line.path[1:])}")
             parts += [
@@ -134,12 +135,16 @@ def compare(
         judged: The decisions about all leaves, by the same names.
 
     Raises:
-        ValueError: When catalogues and decisions have different names.
+        UsageError: When catalogues and decisions have different names.
     """
     if set(catalogues) != set(judged):
-        raise ValueError("catalogues and decisions have different names")
+        raise UsageError("catalogues and decisions have different names")
     decided = {
-        name: {d.id: d for d in fates(tree, alike(tree, judged[name]))} for name in catalogues
+        name: {
+            decision.id: decision
+            for decision in decisions_on_nodes(tree, alike(tree, judged[name]))
+        }
+        for name in catalogues
     }
     leaves = [leaf.id for leaf in tree.leaves]
     paths = tree.paths
@@ -154,20 +159,21 @@ def compare(
     shown = {name: {leaf for leaf in leaves if decided[name][leaf].keep} for name in catalogues}
     tallies = []
     for name, catalogue in catalogues.items():
-        own = [decided[name][leaf] for leaf in leaves]
-        others = set().union(*(shown[other] for other in catalogues if other != name))
+        decisions = [decided[name][leaf] for leaf in leaves]
+        shown_elsewhere = set().union(*(shown[other] for other in catalogues if other != name))
+        matches = Counter(decision.match for decision in decisions)
         tallies.append(
             CatalogueTally(
                 catalogue=name,
                 kept=len(shown[name]),
-                full=sum(decision.match == "full" for decision in own),
-                substitute=sum(decision.match == "substitute" for decision in own),
-                part=sum(decision.match == "part" for decision in own),
-                dropped=len(own) - len(shown[name]),
-                failed=sum(decision.status == "failed" for decision in own),
-                alone=len(shown[name] - others),
+                full=matches["full"],
+                substitute=matches["substitute"],
+                part=matches["part"],
+                dropped=len(decisions) - len(shown[name]),
+                failed=sum(decision.status == "failed" for decision in decisions),
+                alone=len(shown[name] - shown_elsewhere),
                 absent=missing_kinds(catalogue),
-                restoration=restoration(own),
+                restoration=restoration(decisions),
             )
         )
     return CatalogueComparison(catalogues=tuple(catalogues), tallies=tuple(tallies), lines=lines)
@@ -176,14 +182,14 @@ def compare(
 def missing_kinds(catalogue: Catalogue) -> tuple[str, ...]:
     """Return the kinds of assets, precipitation and light that a catalogue lacks entirely."""
     offered = {asset.category for asset in catalogue.assets}
-    found = [category for category in get_args(Category) if category not in offered]
+    missing = [category for category in get_args(Category) if category not in offered]
     weather = catalogue.weather
-    found += [kind for kind in PRECIPITATIONS if kind not in ("none", *weather.precipitation)]
+    missing += [kind for kind in PRECIPITATIONS if kind not in ("none", *weather.precipitation)]
     if weather.min_fog_visual_range_m >= CLEAR_AIR_M:
-        found.append("fog")
+        missing.append("fog")
     if weather.min_sun_elevation_deg >= DUSK_DEG:
-        found.append("night")
-    return tuple(found)
+        missing.append("night")
+    return tuple(missing)
 
 
 def _side(decision: PruneDecision) -> Side:

@@ -123,7 +123,7 @@ def test_a_highway_has_no_crossing(draw):
 def test_the_slowest_driver_can_stop_before_the_light(setting, rng):
     draft = red_light(setting, rng)
     (place,) = {one.placement.ahead_m for one in named(draft, "light")}
-    needed = REACTIONS_S[-1] * setting.speed + setting.room(_FIRM)
+    needed = REACTIONS_S[-1] * setting.speed + setting.braking_m(_FIRM)
     assert place - setting.decision_m - FRONT_M >= needed
 
 
@@ -155,7 +155,7 @@ def test_the_car_at_the_junction_leaves_room_to_stop_behind_it(setting, rng):
         return
     (car,) = named(draft, "waiting")
     tail = car.placement.ahead_m - 0.5 * setting.assets[car.asset].length
-    assert tail - setting.decision_m - FRONT_M > setting.room(_FIRM)
+    assert tail - setting.decision_m - FRONT_M > setting.braking_m(_FIRM)
     assert all(tail < one.placement.ahead_m for one in named(draft, "light"))
 
 

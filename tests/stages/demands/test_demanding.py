@@ -17,7 +17,7 @@ from oodscen.stages._demands.demanding import (
     _admitted,
     _alike_first,
     _difference,
-    _fullness,
+    _picture_bytes,
     draw_demand,
 )
 from oodscen.stages._demands.kinds import KINDS, ranked_candidates
@@ -142,7 +142,7 @@ def test_demands_whose_pictures_are_about_as_full_come_first(simulator, road):
     noise = np.random.default_rng(0).integers(0, 256, shape, np.uint8)
     few, for_full = candidates_for(scene, run, rerunner, noise)
     _, for_empty = candidates_for(scene, run, rerunner, np.zeros(shape, np.uint8))
-    sizes = [_fullness(one.scene, rerunner) for one in few]
+    sizes = [_picture_bytes(one.scene, rerunner) for one in few]
     by_full, by_empty = (
         [sizes[few.index(one)] for one in order] for order in (for_full, for_empty)
     )

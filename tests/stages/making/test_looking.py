@@ -1,21 +1,17 @@
-import numpy as np
 import pytest
 from oodscen_pybullet._catalogue import load_catalogue
 
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._details import DetailKinds
 from oodscen.data._prop import Prop
-from oodscen.errors import DataError, SceneError, UsageError
+from oodscen.errors import DataError, SceneError
 from oodscen.protocols import Camera
 from oodscen.stages._making.files import read_props
 from oodscen.stages._making.looking import (
     DISTANCES_M,
     UNSEEN,
-    caption,
     look_at,
     look_at_details,
-    order,
-    sheet,
 )
 from oodscen.testing._flat import FlatSimulator
 from tests.made import WALL
@@ -35,23 +31,12 @@ def test_a_wall_is_seen_and_a_post_on_the_horizon_is_not() -> None:
     near, *_, far = [view.pixels for view in wall.look.views if not view.is_night]
     assert near > far > 0
     assert thin_one.look.faults
-    named, blind = sheet([wall, thin_one], captions=True), sheet([wall, thin_one])
-    assert named.shape == blind.shape
-    assert not np.array_equal(named, blind)
 
 
 def test_a_refused_design_is_no_picture() -> None:
     prop = Prop.parse({**WALL, "id": "cone"})
     with FlatSimulator() as simulator, pytest.raises(SceneError):
         list(look_at([prop], simulator))
-
-
-def test_a_sheet_needs_something_and_its_order_is_a_permutation() -> None:
-    with pytest.raises(UsageError):
-        sheet([])
-    assert sorted(order(9, 3)) == list(range(9))
-    assert order(9, 3) == order(9, 3)
-    assert caption("A WALL", 200).shape[1] == 200
 
 
 def test_designs_are_read_from_files_and_folders(tmp_path) -> None:

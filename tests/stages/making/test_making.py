@@ -7,15 +7,11 @@ from oodscen.data._prop import Prop
 from oodscen.data._scenario import Scenario
 from oodscen.prompts._scenario.stage_scene import SceneDraft
 from oodscen.stages._augment import scene_of_draft
-from oodscen.stages._making.looking import ShownProp, views_of
-from oodscen.stages._making.making import (
-    PropMaker,
-    Wanted,
-    is_makeable,
-    judged_again,
-    wanted_things,
-)
+from oodscen.stages._making.looking import ShownProp
+from oodscen.stages._making.making import PropMaker
 from oodscen.stages._making.recognition import NONE, PropRecogniser
+from oodscen.stages._making.sheet import views_of
+from oodscen.stages._making.wanted import WantedThing, is_makeable, judged_again, wanted_things
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.testing import ScriptedLLM
@@ -24,7 +20,7 @@ from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 from tests.made import WALL
 
-WANTED = Wanted("low_wall", "object", ("Root", "Environmental", "Wall across the lane"))
+WANTED = WantedThing("low_wall", "object", ("Root", "Environmental", "Wall across the lane"))
 
 
 def made_by(*answers: Any) -> Any:

@@ -12,11 +12,10 @@ from oodscen.prompts._scenario.stage_scene import SceneDraft
 from oodscen.stages._augment import scene_of_draft
 from oodscen.stages._making.motions import (
     MotionMaker,
-    WantedMotion,
     made_motions,
     trial_scene,
-    wanted_motions,
 )
+from oodscen.stages._making.wanted import WantedMotion, wanted_motions
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.testing import ScriptedLLM
 from oodscen.testing._flat import FlatSimulator

@@ -2,6 +2,7 @@
 
 import pytest
 
+from oodscen.errors import UsageError
 from oodscen.stages._prune.side_by_side import CatalogueComparison, compare, missing_kinds
 
 
@@ -45,5 +46,5 @@ def test_it_can_be_written_as_a_table_and_as_json(comparison):
 
 
 def test_names_must_agree(diverse, catalogues):
-    with pytest.raises(ValueError, match="names"):
+    with pytest.raises(UsageError, match="names"):
         compare(diverse, catalogues, {})
