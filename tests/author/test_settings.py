@@ -12,7 +12,7 @@ from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.author._settings import Showable, every_setting
 from oodscen.author._staging.background_traffic import on_offer
 from oodscen.author._writing.compose import Composer
-from oodscen.claims._roads import fitting_roads, of_roads
+from oodscen.claims._roads import fitting_roads, road_claims
 from oodscen.data._catalogue import WeatherRange
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.prompts._digest import CatalogueDigest
@@ -49,7 +49,7 @@ def test_phrases_are_true_of_a_road_of_the_catalogue(maps, hazard) -> None:
         return
     for place in Showable(KNOWLEDGE, few).scope(hazard).places:
         for phrase in place.phrases:
-            claims = of_roads(read_claims(f"The ego vehicle is {phrase}."))
+            claims = road_claims(read_claims(f"The ego vehicle is {phrase}."))
             roads = fitting_roads(claims, maps)
             assert roads, phrase
             if re.search(r"\b(?:bend|curv|winding)", phrase):

@@ -27,7 +27,7 @@ from oodscen.author._staging.layout import Cast, Layout
 from oodscen.author._staging.told import Told
 from oodscen.author._staging.weather import draw_weather
 from oodscen.author._writing.stand_in import stand_in
-from oodscen.claims._roads import is_so, of_roads
+from oodscen.claims._roads import holds_by_traits, road_claims
 from oodscen.claims._things import may_be
 from oodscen.data._scene import Actor, Ego, Hazard
 from oodscen.driving._motion.off_centre import off_centre
@@ -155,11 +155,11 @@ def _map_for(place: RoadKind, told: Told, digest: CatalogueDigest) -> MapLine:
     fitting = roads_for(told.hazard, digest)
     if not fitting:
         raise LLMError("no map of the simulator fits the text", model="builtin")
-    about_roads = of_roads(told.claims)
+    about_roads = road_claims(told.claims)
     return max(
         fitting,
         key=lambda road: (
-            sum(is_so(claim, road) for claim in about_roads),
+            sum(holds_by_traits(claim, road) for claim in about_roads),
             len(set(place.traits) & set(road.traits)),
         ),
     )
