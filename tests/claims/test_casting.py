@@ -69,6 +69,31 @@ def test_a_thing_that_no_actor_fits_contradicts_all_its_claims():
     assert finding.found == "there is no other actor that is one"
 
 
+def test_a_reason_why_nothing_fits_is_told_before_all_others():
+    (without,) = cast([subject("whale", misfit="'dog' is a dog", is_of_map=True)]).values()
+    assert {finding.found for finding in without.findings.values()} == {"'dog' is a dog"}
+    (of_map,) = cast([subject("whale", is_of_map=True)]).values()
+    assert "the road has none" in next(iter(of_map.findings.values())).found
+
+
+def test_anyone_may_be_several_actors():
+    someone = thing_named("someone")
+    assert someone is not None
+    assert someone.vague
+    actors = [observed(index=index, **SIDES[side]) for index, side in enumerate(PLACES)]
+    (casting,) = cast([subject("someone", PLACES, actors, thing=someone)]).values()
+    assert failed({"someone": casting}) == 0
+    assert len(casting.actor_ids) == len(actors)
+
+
+def test_a_stated_group_is_judged_as_one():
+    actors = [observed(index=index, **SIDES[side]) for index, side in enumerate(PLACES)]
+    (casting,) = cast([subject("car", PLACES, actors, is_stated=True)]).values()
+    assert failed({"car": casting}) == 0
+    (single,) = cast([subject("car", PLACES, actors[:1], is_stated=True)]).values()
+    assert failed({"car": single}) == 3
+
+
 @pytest.mark.parametrize(("noun", "actor_ids"), [("bridge", ()), ("traffic light", ["it-0"])])
 def test_the_map_shows_what_no_actor_shows_as_well_except_for_a_signal(noun, actor_ids):
     behind = observed(**SIDES["behind"])
