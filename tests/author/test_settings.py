@@ -5,10 +5,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen._seeding import stream
-from oodscen.author._feasibility import realise
 from oodscen.author._knowledge.base import Knowledge
 from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.author._reading.claim_extraction import read_claims
+from oodscen.author._realisation import realise
 from oodscen.author._settings import Showable, every_setting
 from oodscen.author._staging.background_traffic import on_offer
 from oodscen.author._writing.compose import Composer
