@@ -20,6 +20,10 @@ _LEAST_SHARING = 3
 _MOST_NAMED_VEHICLES = 7
 """Largest number of vehicles that are named as those that have a part."""
 
+_NUMBER = r"-?[\d.]+?(?:e[+-]\d+)?"
+_PARAMETER = re.compile(rf"(\w+) ({_NUMBER})\.\.({_NUMBER}) \(")
+"""Name, minimum and maximum of a parameter in the line of a behaviour."""
+
 
 class AssetLine(Data):
     """One asset in a prompt."""
@@ -50,6 +54,14 @@ class BehaviourLine(Data):
     categories: tuple[Category, ...]
     parameters: str = ""
     """Parameters such as `speed 0..20 (8) m/s`: minimum, maximum, default, unit or meaning."""
+
+    @property
+    def limits(self) -> dict[str, tuple[float, float]]:
+        """Minimum and maximum of every parameter, read from the line."""
+        return {
+            name: (float(minimum), float(maximum))
+            for name, minimum, maximum in _PARAMETER.findall(self.parameters)
+        }
 
 
 class MapLine(Data):

@@ -10,7 +10,7 @@ from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.author._realisation import realise
 from oodscen.author._settings import Showable, every_setting
-from oodscen.author._staging.background_traffic import on_offer
+from oodscen.author._staging.background_traffic import available
 from oodscen.author._writing.compose import Composer
 from oodscen.claims._roads import fitting_roads, road_claims
 from oodscen.data._catalogue import WeatherRange
@@ -94,9 +94,9 @@ def test_no_traffic_is_told_that_the_catalogue_lacks() -> None:
     lone = digest_of(assets=tuple(a for a in FLAT_CATALOGUE.assets if a.category != "vehicle"))
     hazard = KNOWLEDGE.by_id["fallen-tree"]
     assert {one.key for one in Showable(KNOWLEDGE, lone).scope(hazard).traffic} <= {"quiet"}
-    assert on_offer(KNOWLEDGE.company, lone) == []
+    assert available(KNOWLEDGE.company, lone) == []
     still = digest_of(behaviours=FLAT_CATALOGUE.behaviours[:1])
-    assert on_offer(KNOWLEDGE.company, still) == []
+    assert available(KNOWLEDGE.company, still) == []
 
 
 def test_a_road_of_no_known_words_is_told_by_its_description(knowledge: Knowledge) -> None:

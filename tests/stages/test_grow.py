@@ -105,7 +105,9 @@ def test_a_tree_of_endless_depth_is_sent_back_once():
     ]
     with pytest.raises(AnswerError) as caught:
         grown([{"nodes": nodes}] * 3, nodes=2_000)
-    assert [issue.path for issue in caught.value.issues] == [f"nodes[{MAX_PROPOSED_DEPTH + 3}].parent"]
+    assert [issue.path for issue in caught.value.issues] == [
+        f"nodes[{MAX_PROPOSED_DEPTH + 3}].parent"
+    ]
 
 
 def test_labels_that_are_markup_or_instructions_are_sent_back():
