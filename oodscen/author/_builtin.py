@@ -45,10 +45,11 @@ from oodscen.prompts._tree.place_scenario import PlaceScenario
 from oodscen.prompts._tree.propose_tree import ProposeTree
 from oodscen.protocols import Completion, Request
 
-_ACTS = frozenset(
+_WORDS_OF_ACTS = frozenset(
     """driver drives pedestrian cyclist motorcyclist child dog deer animal crowd police runs walks
     crosses overtakes swerves brakes reverses cuts merges jumps changes chases""".split()
 )
+"""Words of texts about what somebody does, by which an unknown scenario counts as interactional."""
 
 
 class BuiltinAuthor(Brief):
@@ -88,7 +89,10 @@ class BuiltinAuthor(Brief):
         self._answers: dict[type, Callable[[Any, Request], BaseModel]] = {
             GiveExamples: self._give_examples,
             ClassifyExamples: lambda prompt, request: Classification(
-                examples=[self._class_of(n, text) for n, text in enumerate(prompt.given, start=1)]
+                examples=[
+                    self._classified(number, text)
+                    for number, text in enumerate(prompt.given, start=1)
+                ]
             ),
             ProposeTree: lambda prompt, request: self._trees.propose(
                 prompt, self._stream(request, prompt.nodes)
@@ -100,14 +104,14 @@ class BuiltinAuthor(Brief):
             DesignMotion: lambda prompt, request: design_motion(prompt),
             DesignProp: lambda prompt, request: design_prop(prompt),
             DescribePath: self._describe,
-            DescribeOrdinary: self._ordinary,
+            DescribeOrdinary: self._describe_ordinary,
             ExtractClaims: lambda prompt, request: Claims(
                 claims=list(read_claims(prompt.text)[:MOST_CLAIMS])
             ),
             StageScene: lambda prompt, request: self._stager.stage(
                 prompt, self.seed, request.attempt - 1
             ),
-            MarkHazard: lambda prompt, request: _marked(prompt),
+            MarkHazard: lambda prompt, request: _mark_hazard(prompt),
         }
 
     def __reduce__(self) -> tuple[type["BuiltinAuthor"], tuple[int, Path | None]]:
@@ -131,13 +135,12 @@ class BuiltinAuthor(Brief):
     def _stream(self, request: Request, *keys: object) -> np.random.Generator:
         return stream(self.seed, request.prompt.purpose, *keys, request.sample)
 
-    # -------------------------------------------------------------- growing
-
     def _give_examples(self, prompt: GiveExamples, request: Request) -> Examples:
         rng = self._stream(request, prompt.count)
-        shown = {h.id for h in map(self._hazard, prompt.shown) if h is not None}
-        both = [self._deck(name, shown, rng) for name in ("environmental", "interactional")]
-        decks = [deck for deck in both if deck]
+        hazards = map(self._hazard, prompt.shown)
+        shown = {hazard.id for hazard in hazards if hazard is not None}
+        of_classes = [self._deck(name, shown, rng) for name in ("environmental", "interactional")]
+        decks = [deck for deck in of_classes if deck]
         taken = {folded_words(text) for text in prompt.shown}
         texts = []
         for number in range(prompt.count):
@@ -150,23 +153,23 @@ class BuiltinAuthor(Brief):
         """Return the hazards of a class that were not shown, or all, at random behind the `first` ones."""
         hazards = self._knowledge.of_class(class_name)
         new = [hazard for hazard in hazards if hazard.id not in shown] or list(hazards)
-        shuffled = [new[i] for i in rng.permutation(len(new))]
+        shuffled = [new[index] for index in rng.permutation(len(new))]
         return sorted(shuffled, key=lambda hazard: not hazard.first)
 
-    def _class_of(self, number: int, text: str) -> ClassifiedExample:
+    def _classified(self, number: int, text: str) -> ClassifiedExample:
         hazard = self._hazard(text)
-        acts = _ACTS.intersection(folded_words(text).split())
-        name = "interactional" if acts else "environmental"
         if hazard is not None:
             name = hazard.class_name
+        elif _WORDS_OF_ACTS.isdisjoint(folded_words(text).split()):
+            name = "environmental"
+        else:
+            name = "interactional"
         reason = (
             "An element of the surroundings deviates from its usual state."
             if name == "environmental"
             else "A moving actor does something unusual to which the ego vehicle must react."
         )
         return ClassifiedExample(number=number, reasoning=reason, scenario_class=name)
-
-    # -------------------------------------------------------------- red teaming
 
     def _imagine(self, prompt: ImagineScenario, request: Request) -> ImaginedScenario:
         rng = self._stream(request)
@@ -176,11 +179,9 @@ class BuiltinAuthor(Brief):
             text=self._composer.text(hazard, rng),
         )
 
-    # -------------------------------------------------------------- describing and staging
-
     def _describe(self, prompt: DescribePath, request: Request) -> Descriptions:
         label = prompt.path[-1] if prompt.path else ""
-        hazards = self._told_by(label)
+        hazards = self._described_by(label)
         if not hazards:
             raise LLMError(f"the built-in author has no knowledge of {label!r}", model=self.name)
         rng = self._stream(request, *prompt.path, prompt.style)
@@ -210,11 +211,11 @@ class BuiltinAuthor(Brief):
         """Return the hazards that a catalogue has a place for, or else all, with the settings that it can show."""
         if catalogue is None:
             return [(hazard, None) for hazard in hazards]
-        shown = Showable(self._knowledge, catalogue)
-        placed = [hazard for hazard in hazards if not shown.lacking_place(hazard)]
-        return [(hazard, shown.scope(hazard)) for hazard in placed or hazards]
+        showable = Showable(self._knowledge, catalogue)
+        placed = [hazard for hazard in hazards if not showable.lacking_place(hazard)]
+        return [(hazard, showable.scope(hazard)) for hazard in placed or hazards]
 
-    def _ordinary(self, prompt: DescribeOrdinary, request: Request) -> OrdinaryText:
+    def _describe_ordinary(self, prompt: DescribeOrdinary, request: Request) -> OrdinaryText:
         label = prompt.path[-1] if prompt.path else ""
         rng = self._stream(request, prompt.text)
         return OrdinaryText(text=self._twins.twin(prompt.text, label, rng))
@@ -224,7 +225,7 @@ class BuiltinAuthor(Brief):
         """The writer of twins, whose patterns of all places take long to compile."""
         return OrdinaryAuthor(self._knowledge, self._recogniser)
 
-    def _told_by(self, label: str) -> tuple[HazardKind, ...]:
+    def _described_by(self, label: str) -> tuple[HazardKind, ...]:
         """Return the hazards that the texts of a leaf describe.
 
         A widened leaf also stands for the hazard's kin, except for kin that need more from a
@@ -260,8 +261,8 @@ def _is_as_easy(kin: HazardKind, head: HazardKind) -> bool:
     ) and set(kin.stage.behaviours) <= set(head.stage.behaviours)
 
 
-def _marked(prompt: MarkHazard) -> MarkedHazard:
+def _mark_hazard(prompt: MarkHazard) -> MarkedHazard:
     """Mark the first actor that does more than stand or follow its lane."""
     acting = [actor for actor in prompt.actors if actor.does.partition(":")[0] not in USUAL]
-    first = (acting or list(prompt.actors))[0]
+    first = next(iter(acting or prompt.actors))
     return MarkedHazard(reasoning=f"{first.id}: {first.does}", actors=[first.id])

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from oodscen._seeding import stream
 from oodscen.author._knowledge.base import HazardKind, Knowledge
@@ -31,10 +32,15 @@ class Habits:
     """
 
     repertoire: float = 46.0
+    """Number of hazards that are drawn often."""
     softness: float = 5.0
+    """Range of ranks over which the weight falls."""
     listens: float = 5.0 / 6.0
+    """Share of the rounds that heed covered and refused labels."""
     follows: float = 1.0 / 3.0
+    """Share of those that draw from thin groups."""
     favours: float = 0.5
+    """Share of the rounds that draw from hazards marked as first."""
 
 
 class Imagination:
@@ -47,40 +53,42 @@ class Imagination:
         self.recogniser = recogniser
         self.habits = habits or Habits()
         self._order = stream(seed, "repertoire").permutation(len(knowledge.hazards))
-        self._first = [h for h in knowledge.hazards if h.first]
-        self._known = lru_cache(maxsize=8)(self._named)
+        self._first = [hazard for hazard in knowledge.hazards if hazard.first]
+        self._named = lru_cache(maxsize=8)(self._hazards_named)
 
     def hazard(self, prompt: ImagineScenario, rng: np.random.Generator) -> HazardKind:
         """Draw a hazard; covered, thin and refused labels count only if the question names them."""
-        ranks = self._order
-        listens, follows, place = rng.random(), rng.random(), rng.random()
+        hazards, candidates = self.knowledge.hazards, self._order
+        listening, following, quantile = rng.random(), rng.random(), rng.random()
         if self._first and rng.random() < self.habits.favours:
-            known = self._known(prompt.covered, prompt.refused)
-            own = [hazard for hazard in self._first if hazard.id not in known]
-            if own:
-                return own[int(place * len(own))]
-        is_told = bool(prompt.covered or prompt.refused)
-        if is_told and listens < self.habits.listens:
-            known = self._known(prompt.covered, prompt.refused)
-            left = [n for n in ranks if self.knowledge.hazards[n].id not in known]
-            if prompt.thin and follows < self.habits.follows:
+            named = self._named(prompt.covered, prompt.refused)
+            first = [hazard for hazard in self._first if hazard.id not in named]
+            if first:
+                return first[int(quantile * len(first))]
+        if (prompt.covered or prompt.refused) and listening < self.habits.listens:
+            named = self._named(prompt.covered, prompt.refused)
+            new = [index for index in candidates if hazards[index].id not in named]
+            if prompt.thin and following < self.habits.follows:
                 families = {self.recogniser.family(label) for label in prompt.thin}
-                thin = [n for n in left if self.knowledge.hazards[n].family in families]
-                left = thin or left
-            ranks = np.array(left, dtype=np.int64) if left else ranks
-        return self.knowledge.hazards[int(self._drawn(ranks, place))]
+                thin = [index for index in new if hazards[index].family in families]
+                new = thin or new
+            if new:
+                candidates = np.array(new, dtype=np.int64)
+        return hazards[self._draw(candidates, quantile)]
 
-    def _drawn(self, hazards: np.ndarray, place: float) -> int:
-        rank = np.empty(len(self._order), np.int64)
-        rank[self._order] = np.arange(len(self._order))
-        steps = (rank[hazards] - self.habits.repertoire) / self.habits.softness
+    def _draw(self, candidates: NDArray[np.int64], quantile: float) -> int:
+        """Return the candidate at a quantile of the weights by rank."""
+        ranks = np.empty(len(self._order), np.int64)
+        ranks[self._order] = np.arange(len(self._order))
+        steps = (ranks[candidates] - self.habits.repertoire) / self.habits.softness
         # The best remaining rank sets the scale, so that the next one is drawn even far from the
         # repertoire.
         weights = -np.logaddexp(0.0, steps)
         total = np.cumsum(np.exp(weights - weights.max()))
-        return int(hazards[int(np.searchsorted(total, place * total[-1], side="right"))])
+        return int(candidates[np.searchsorted(total, quantile * total[-1], side="right")])
 
-    def _named(self, covered: tuple[str, ...], refused: tuple[str, ...]) -> Collection[str]:
-        labels = {h.id for label in covered for h in self.recogniser.covered_by(label)}
-        texts = (self.recogniser.recognise(text).hazard for text in refused)
-        return labels | {hazard.id for hazard in texts if hazard is not None}
+    def _hazards_named(self, covered: tuple[str, ...], refused: tuple[str, ...]) -> Collection[str]:
+        """Return the ids of the hazards of covered labels and refused texts."""
+        ids = {hazard.id for label in covered for hazard in self.recogniser.covered_by(label)}
+        recognised = (self.recogniser.recognise(text).hazard for text in refused)
+        return ids | {hazard.id for hazard in recognised if hazard is not None}

@@ -15,7 +15,7 @@ from oodscen.author._knowledge.base import (
 )
 from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.author._staging.anchors import has_landmarks
-from oodscen.claims._roads import is_of_kind, is_so, of_roads
+from oodscen.claims._roads import holds_by_traits, is_of_kind, road_claims
 from oodscen.claims._things import mentions
 from oodscen.data._claim import Claim
 from oodscen.prompts._digest import CatalogueDigest, MapLine
@@ -180,13 +180,13 @@ def _is_true(said: _Said, road: MapLine, features: frozenset[str]) -> bool:
 
 
 def _holds(claim: Claim, road: MapLine) -> bool:
-    return is_so(claim, road) or (claim.kind == "road" and claim.value in road.features)
+    return holds_by_traits(claim, road) or (claim.kind == "road" and claim.value in road.features)
 
 
 @lru_cache(maxsize=512)
 def _claimed(phrase: str) -> tuple[Claim, ...]:
     """Return what a phrase claims about the road."""
-    return tuple(of_roads(read_claims(f"The ego vehicle is {phrase}.")))
+    return tuple(road_claims(read_claims(f"The ego vehicle is {phrase}.")))
 
 
 def _lowest(value: object, default: float) -> float:

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable
 
-from oodscen.claims._things import plural
+from oodscen.claims._things import plural_of
 
 _AFTER_WEATHER = "storms?|showers?|clouds?|banks?|falls?|covers?|spells?|fronts?|that|which|just|finally|already|now"
 _ENDED = re.compile(
@@ -22,7 +22,8 @@ _SERVING = "vehicle car van lorry truck train boat engine helicopter convoy dron
 """Nouns for those that maintain, inspect, survey or clean a road, or rescue people there."""
 
 
-def _described(nouns: Iterable[str], serving: Iterable[str]) -> re.Pattern[str]:
+def _noun_pattern(nouns: Iterable[str], serving: Iterable[str]) -> re.Pattern[str]:
+    """Return a pattern of nouns right after a position, such as ` watchman` or ` rescue team`."""
     services = "maintenance|inspection|rescue|survey|cleaning"
     return re.compile(
         rf"^[ -](?:{'|'.join(nouns)}|(?:{services}) (?:{'|'.join(serving)}))(?![\w-])",
@@ -30,12 +31,14 @@ def _described(nouns: Iterable[str], serving: Iterable[str]) -> re.Pattern[str]:
     )
 
 
-_ONE = _described([*_OBJECTS, *_ACTORS], _SERVING)
-_SEVERAL = _described(map(plural, _ACTORS), map(plural, _SERVING))
+_DESCRIBED_NOUN = _noun_pattern([*_OBJECTS, *_ACTORS], _SERVING)
+_DESCRIBED_PLURAL = _noun_pattern(map(plural_of, _ACTORS), map(plural_of, _SERVING))
 _CIRCUMSTANCE = re.compile(
     r"\b(?:at|by|in|on|under|during|through|amid|despite)(?: (?!with\b|of\b)[\w-]+){1,3}$",
     re.IGNORECASE,
 )
+_CIRCUMSTANCE_LENGTH = 80
+"""Number of characters before a position that may hold a circumstance such as `during the night`."""
 
 
 def is_weather_cancelled(after: str) -> bool:
@@ -49,7 +52,7 @@ def describes_noun(text: str, end: int) -> bool:
     Several who act may also be the subject of a clause of their own, as in "At night buses stop here".
     """
     after = text[end:]
-    if _ONE.match(after):
+    if _DESCRIBED_NOUN.match(after):
         return True
-    is_circumstance = _CIRCUMSTANCE.search(text[max(0, end - 80) : end]) is not None
-    return _SEVERAL.match(after) is not None and not is_circumstance
+    is_circumstance = bool(_CIRCUMSTANCE.search(text[max(0, end - _CIRCUMSTANCE_LENGTH) : end]))
+    return bool(_DESCRIBED_PLURAL.match(after)) and not is_circumstance

@@ -2,7 +2,8 @@
 
 from typing import ClassVar
 
-from oodscen.claims._checking import ClaimFinding, check_claims
+from oodscen.claims._checking import check_claims
+from oodscen.claims._findings import ClaimFinding
 from oodscen.claims._matching import likeness_of
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue

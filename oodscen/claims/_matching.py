@@ -16,12 +16,14 @@ from oodscen.protocols import Encoder
 
 OF_THE_MAP = "map"
 """Name used instead of an actor's id for things that the road itself shows."""
-_LEAST = 0.3
+_LEAST_COSINE = 0.3
 """Minimum cosine between a noun phrase and an asset that it may name."""
 _MARGIN = 0.12
 """Largest difference of that cosine to that of the nearest asset."""
-_SURE = 0.55
+_SURE_COSINE = 0.55
 """Cosine from which the nearest asset is taken even for a noun that other assets are known by."""
+_MOST_LISTED = 6
+"""Largest number of assets that a reason lists."""
 _COMMON = frozenset(
     "a an and are as at by for from has have her his in into is it its of off on onto or out over the their there to "
     "who with road lane street ego vehicle person people way right left ahead front".split()
@@ -41,7 +43,8 @@ class Likeness:
         self.catalogue = catalogue
 
     @cached_property
-    def _assets(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    def _embeddings(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Unit vectors of the names and of the descriptions of the assets."""
         names = [asset.id.replace("_", " ") for asset in self.catalogue.assets]
         descriptions = [
             asset.description or name
@@ -51,11 +54,12 @@ class Likeness:
 
     def of(self, phrase: str) -> dict[str, float]:
         """Return the cosine of a phrase with every asset, by id: with its name or its description."""
-        names, descriptions = self._assets
+        names, descriptions = self._embeddings
         vector = unit_embeddings(self.encoder, [phrase])[0]
-        near = np.maximum(names @ vector, descriptions @ vector)
+        cosines = np.maximum(names @ vector, descriptions @ vector)
         return {
-            asset.id: float(one) for asset, one in zip(self.catalogue.assets, near, strict=True)
+            asset.id: float(cosine)
+            for asset, cosine in zip(self.catalogue.assets, cosines, strict=True)
         }
 
 
@@ -71,33 +75,38 @@ def doubt(
     quotes: Sequence[str],
     asset: Asset,
     catalogue: Catalogue,
-    likeness: Likeness | None = None,
+    likeness: Likeness | None,
 ) -> str:
     """Return the reason why an asset does not fit a noun phrase such as `uprooted maple`; empty if it fits.
 
-    `quotes` are the words of the text about it. Without `likeness`, a noun that no asset is known by may be any of them.
+    Args:
+        subject: The noun phrase.
+        quotes: The words of the text about it.
+        asset: The asset that is said to be it.
+        catalogue: All assets.
+        likeness: Nearness in meaning; without it, a noun that no asset is known by may be any of them.
     """
     if may_be(subject, asset):
         return ""
     thing = thing_named(subject)
     is_human = thing is not None and _is_human(thing)
-    if is_human and (_shares(subject, quotes, asset) or _rides(subject, asset)):
+    if is_human and (_resembles_person(subject, quotes, asset) or _is_ridden(subject, asset)):
         return ""
-    called = _called(subject, thing, catalogue)
-    told = f"{asset.id!r} is {asset.description}, and {_bare(subject)!r} names something else"
-    near = likeness.of(_bare(subject)) if likeness else {}
-    nearest = sorted(near, key=lambda name: (-near[name], name))
-    if called:
-        if nearest and nearest[0] == asset.id and near[asset.id] >= _SURE:
+    noun = _without_number(subject)
+    misfit = f"{asset.id!r} is {asset.description}, and {noun!r} names something else"
+    cosines = likeness.of(noun) if likeness else {}
+    nearest = sorted(cosines, key=lambda asset_id: (-cosines[asset_id], asset_id))
+    if fitting := _known_assets(subject, thing, catalogue):
+        if nearest and nearest[0] == asset.id and cosines[asset.id] >= _SURE_COSINE:
             return ""
-        return f"{told}: here that is {_list(called)}"
-    if not near:
+        return f"{misfit}: here that is {_listed(fitting)}"
+    if not cosines:
         return ""
-    if near[asset.id] >= max(_LEAST, near[nearest[0]] - _MARGIN):
+    if cosines[asset.id] >= max(_LEAST_COSINE, cosines[nearest[0]] - _MARGIN):
         return ""
     return (
-        f"{told}: in meaning it is {near[asset.id]:.2f} from it, and the nearest are "
-        f"{', '.join(f'{name} ({near[name]:.2f})' for name in nearest[:3])}"
+        f"{misfit}: in meaning it is {cosines[asset.id]:.2f} from it, and the nearest are "
+        f"{', '.join(f'{name} ({cosines[name]:.2f})' for name in nearest[:3])}"
     )
 
 
@@ -108,9 +117,8 @@ def is_of_map(subject: str, road: RoadMap | None) -> bool:
         return thing.is_scenery(road)
     if road is None:
         return True
-    words = set(re.findall(r"[a-z]+", f"{road.description} {' '.join(road.traits)}".casefold()))
-    mine = _stems(_bare(subject))
-    return bool({_stem(word) for word in words} & mine)
+    words = re.findall(r"[a-z]+", f"{road.description} {' '.join(road.traits)}".casefold())
+    return bool({_stem(word) for word in words} & _stems(_without_number(subject)))
 
 
 def fault_of_map(subject: str, state: MapState | None) -> str:
@@ -118,7 +126,8 @@ def fault_of_map(subject: str, state: MapState | None) -> str:
     if state is None:
         return ""
     faults = {str(part): fault for part, fault in state.faults()}
-    words, thing = subject.casefold(), thing_named(subject)
+    words = subject.casefold()
+    thing = thing_named(subject)
     if re.search(r"\b(?:street ?-?(?:lamp|light)|lamp ?post|streetlamp|streetlight)", words):
         return faults.get("street_lamps", "")
     if thing is not None and "signalised" in thing.map:
@@ -126,8 +135,8 @@ def fault_of_map(subject: str, state: MapState | None) -> str:
     return faults.get("signs", "") if re.search(r"\bsigns?\b", words) else ""
 
 
-def _called(subject: str, thing: Thing | None, catalogue: Catalogue) -> list[str]:
-    """Return the assets that a noun is known to mean."""
+def _known_assets(subject: str, thing: Thing | None, catalogue: Catalogue) -> list[str]:
+    """Return the ids of the assets that a noun is known to mean."""
     if thing is None or thing.vague or not is_head(subject):
         return []
     return [asset.id for asset in catalogue.assets if thing.fits(asset)]
@@ -137,15 +146,15 @@ def _is_human(thing: Thing) -> bool:
     return thing.group == "person" or any(term.startswith("cyclist") for term in thing.terms)
 
 
-def _shares(subject: str, quotes: Sequence[str], asset: Asset) -> bool:
+def _resembles_person(subject: str, quotes: Sequence[str], asset: Asset) -> bool:
     """Return whether a person's asset and the words about a person have more in common than being people."""
     if asset.category != "pedestrian":
         return False
-    theirs = {_stem(word) for word in words_of(asset)} | _stems(asset.description)
-    return bool((_stems(" ".join((subject, *quotes))) & theirs) - _COMMON)
+    asset_stems = {_stem(word) for word in words_of(asset)} | _stems(asset.description)
+    return bool((_stems(" ".join((subject, *quotes))) & asset_stems) - _COMMON)
 
 
-def _rides(subject: str, asset: Asset) -> bool:
+def _is_ridden(subject: str, asset: Asset) -> bool:
     """Return whether a person of the text sits on what the asset is: a person on a cargo bike."""
     match = re.search(r"\b(?:on|riding|astride)\s+(.+)", subject.casefold())
     return match is not None and asset.category in ("cyclist", "animal") and may_be(match[1], asset)
@@ -156,14 +165,16 @@ def _stems(text: str) -> set[str]:
 
 
 def _stem(word: str) -> str:
-    return {"lying": "lie", "lies": "lie", "lay": "lie"}.get(
-        word, re.sub(r"(ing|ed|es|s)$", "", word)
-    )
+    if word in ("lying", "lies", "lay"):
+        return "lie"
+    return re.sub(r"(ing|ed|es|s)$", "", word)
 
 
-def _bare(subject: str) -> str:
+def _without_number(subject: str) -> str:
+    """Return a noun phrase without the number that tells it from others of its name."""
     return subject.rstrip(" 0123456789") or subject
 
 
-def _list(names: Sequence[str]) -> str:
-    return ", ".join(names[:6]) + (" ..." if len(names) > 6 else "")
+def _listed(names: Sequence[str]) -> str:
+    more = " ..." if len(names) > _MOST_LISTED else ""
+    return ", ".join(names[:_MOST_LISTED]) + more

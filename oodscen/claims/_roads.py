@@ -9,33 +9,35 @@ from oodscen.prompts._digest import MapLine
 Road = RoadMap | MapLine
 
 
-def of_roads(claims: Iterable[Claim]) -> list[Claim]:
+def road_claims(claims: Iterable[Claim]) -> list[Claim]:
+    """Return the claims about the road."""
     return [claim for claim in claims if claim.kind in ("road", "lanes", "own_lanes")]
 
 
 def fitting_roads(claims: Sequence[Claim], maps: Iterable[RoadMap]) -> tuple[str, ...]:
-    """Return the ids of the maps on which all claims about the road hold; one without traits has any."""
+    """Return the ids of the maps on which all claims about the road hold; any may hold on a map without traits."""
     return tuple(
         road.id
         for road in maps
-        if not road.traits or all(is_so_or_has(claim, road) for claim in claims)
+        if not road.traits or all(holds_on(claim, road) for claim in claims)
     )
 
 
-def is_so_or_has(claim: Claim, road: RoadMap) -> bool:
-    """Return whether a claim about the road holds on a map, whose shoulder is known by itself."""
-    return is_so(claim, road) or (claim.value == "shoulder" and road.has_shoulder)
+def holds_on(claim: Claim, road: RoadMap) -> bool:
+    """Return whether a claim about the road holds on a map that has traits."""
+    return holds_by_traits(claim, road) or (claim.value == "shoulder" and road.has_shoulder)
 
 
-def is_so(claim: Claim, road: Road) -> bool:
-    """Return whether a claim of kind road, lanes or own_lanes holds on a map that has traits."""
+def holds_by_traits(claim: Claim, road: Road) -> bool:
+    """Return whether a claim of kind road, lanes or own_lanes holds by a map's traits and numbers of lanes."""
     if claim.kind == "road":
         return is_of_kind(claim.value, road)
-    wanted = int(claim.value)
+    claimed = int(claim.value)
     if claim.kind == "own_lanes" or not road.oncoming_lanes:
-        return road.lanes == wanted
-    both = road.lanes + road.oncoming_lanes == wanted
-    return both or ("divided" in road.traits and road.lanes == wanted)
+        return road.lanes == claimed
+    if "divided" in road.traits and road.lanes == claimed:
+        return True
+    return road.lanes + road.oncoming_lanes == claimed
 
 
 def is_of_kind(value: str, road: Road) -> bool:
@@ -53,4 +55,4 @@ _ANY_OF = {
     "level_crossing": frozenset({"level_crossing", "rail_crossing"}),
     "hill": frozenset({"hill", "downhill"}),
 }
-"""Traits that satisfy a value, any one of them; other values need the trait of the same name."""
+"""Traits any of which satisfies a value; other values need the trait of the same name."""

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from oodscen.claims._actors import Verdict
-from oodscen.claims._roads import is_so_or_has
+from oodscen.claims._roads import holds_on
 from oodscen.data._catalogue import RoadMap
 from oodscen.data._claim import Claim
 from oodscen.data._scene import DARK_DEG, FOG_M, Scene, Weather
@@ -48,22 +48,22 @@ def judge_surroundings(claim: Claim, scene: Scene, road: RoadMap | None, trace: 
     """Compare a claim of kind weather, time, road, lanes, own_lanes, ego or ego_speed with a scene."""
     if claim.kind in _TESTS:
         holds = _TESTS[claim.kind][claim.value](scene.weather)
-        return Judgement(holds, f"it is {_words(scene.weather)}", "weather")
+        return Judgement(holds, f"it is {_described(scene.weather)}", "weather")
     if claim.kind == "ego_speed":
-        kmh, own = float(claim.value), 3.6 * scene.ego.speed
-        is_near = abs(own - kmh) <= max(_SPEED_KMH, _SPEED_SHARE * kmh)
-        return Judgement(is_near, f"the ego drives at {own:.0f} km/h", "ego.speed")
+        claimed_kmh, speed_kmh = float(claim.value), 3.6 * scene.ego.speed
+        is_near = abs(speed_kmh - claimed_kmh) <= max(_SPEED_KMH, _SPEED_SHARE * claimed_kmh)
+        return Judgement(is_near, f"the ego drives at {speed_kmh:.0f} km/h", "ego.speed")
     if claim.kind == "ego":
         if claim.value.startswith("turns"):
-            return Judgement(*_turn(claim.value, trace), "ego")
-        return Judgement(*_lane(claim.value, scene, road), "ego")
+            return Judgement(*_judge_turn(claim.value, trace), "ego")
+        return Judgement(*_judge_lane(claim.value, scene, road), "ego")
     if road is None:
         return Judgement(None, f"nothing is known of {scene.map!r}", "map")
-    holds = is_so_or_has(claim, road)
+    holds = holds_on(claim, road)
     return Judgement(holds, f"the map is {road.description} ({scene.map})", "map")
 
 
-def _turn(value: str, trace: Trace) -> Verdict:
+def _judge_turn(value: str, trace: Trace) -> Verdict:
     yaw = np.unwrap(trace["yaw"][:, 0])
     turned = float(yaw[-1] - yaw[0])
     side = "left" if turned > 0.0 else "right"
@@ -71,7 +71,7 @@ def _turn(value: str, trace: Trace) -> Verdict:
     return value == f"turns_{side}" and abs(turned) > _TURN_RAD, found
 
 
-def _lane(value: str, scene: Scene, road: RoadMap | None) -> Verdict:
+def _judge_lane(value: str, scene: Scene, road: RoadMap | None) -> Verdict:
     if road is None:
         return None, f"nothing is known of {scene.map!r}"
     lane, last = scene.ego.lane, road.lanes - 1
@@ -85,20 +85,17 @@ def _lane(value: str, scene: Scene, road: RoadMap | None) -> Verdict:
     return holds, f"the ego drives in lane {lane} of {road.lanes}, counted from the right"
 
 
-def _words(weather: Weather) -> str:
-    sun = weather.sun_elevation_deg
-    fall = (
-        "dry"
-        if weather.precipitation == "none"
-        else f"{weather.precipitation} of {weather.precipitation_mm_h:g} mm/h"
-    )
+def _described(weather: Weather) -> str:
+    if weather.precipitation == "none":
+        precipitation = "dry"
+    else:
+        precipitation = f"{weather.precipitation} of {weather.precipitation_mm_h:g} mm/h"
     return (
-        f"{fall}, the sun at {sun:g} degrees, visual range {weather.fog_visual_range_m:g} m, "
+        f"{precipitation}, the sun at {weather.sun_elevation_deg:g} degrees, visual range {weather.fog_visual_range_m:g} m, "
         f"cloud cover {weather.cloud_cover:g}, friction {weather.friction:g}"
     )
 
 
-# Claims are compared with tolerance: snow and ice on a road are wet, too, and half a sky of clouds is clear and cloudy.
 _WEATHER: Mapping[str, Callable[[Weather], bool]] = {
     "clear": lambda w: (
         w.precipitation == "none" and w.fog_visual_range_m > MIST_M and w.cloud_cover <= _HALF_COVER
@@ -124,4 +121,7 @@ _TIME: Mapping[str, Callable[[Weather], bool]] = {
     "low_sun": lambda w: 0.0 < w.sun_elevation_deg <= _LOW_SUN_DEG,
 }
 _TESTS: Mapping[str, Mapping[str, Callable[[Weather], bool]]] = {"weather": _WEATHER, "time": _TIME}
-"""Tests of weather by kind and value of a claim."""
+"""Tests of weather by kind and value of a claim.
+
+They are tolerant: a road with snow or ice is wet, too, and a sky half covered is both clear and cloudy.
+"""

@@ -23,7 +23,8 @@ _UNCHANGED = frozenset(
 )
 _PLURAL = frozenset({"cattle", "people", "livestock"})
 
-Named = Asset | AssetLine
+AnyAsset = Asset | AssetLine
+"""An asset of a catalogue or of its digest."""
 
 
 @dataclass(frozen=True)
@@ -53,19 +54,23 @@ class Thing:
         """The name used in claims."""
         return self.words[0]
 
-    def fits(self, asset: Named) -> bool:
+    def fits(self, asset: AnyAsset) -> bool:
         """Return whether an asset shows the thing."""
         words = words_of(asset)
-        return any(
-            all((part[1:] not in words) if part[0] == "!" else part in words for part in parts)
-            for parts in (term.split("&") for term in self.terms)
-        )
+        return any(all(_matches(part, words) for part in term.split("&")) for term in self.terms)
 
     def is_scenery(self, road: RoadMap | None) -> bool:
         """Return whether a map shows the thing without an actor."""
         if road is None:
             return False
         return any(word in road.traits or word in road.description for word in self.map)
+
+
+def _matches(part: str, words: frozenset[str]) -> bool:
+    """Return whether words have a part of a term, or lack it if it begins with `!`."""
+    if part.startswith("!"):
+        return part[1:] not in words
+    return part in words
 
 
 class Mention(NamedTuple):
@@ -83,14 +88,15 @@ class Mention(NamedTuple):
 def things() -> tuple[Thing, ...]:
     """Return all known kinds of things; those without terms only keep their words from being read as other things."""
     source = resources.files("oodscen.claims").joinpath("things.toml").read_text(encoding="utf-8")
-    found = []
-    for row in tomllib.loads(source)["thing"]:
-        fields: dict[str, Any] = {
-            key: tuple(value) if isinstance(value, list) else value for key, value in row.items()
-        }
-        fields["faint"] = row.get("faint", False) or row.get("vague", False)
-        found.append(Thing(**fields))
-    return tuple(found)
+    return tuple(_thing(entry) for entry in tomllib.loads(source)["thing"])
+
+
+def _thing(entry: dict[str, Any]) -> Thing:
+    fields = {
+        key: tuple(value) if isinstance(value, list) else value for key, value in entry.items()
+    }
+    fields["faint"] = entry.get("faint", False) or entry.get("vague", False)
+    return Thing(**fields)
 
 
 def mentions(text: str) -> Iterator[Mention]:
@@ -98,7 +104,8 @@ def mentions(text: str) -> Iterator[Mention]:
     pattern, by_form = _index()
     for match in pattern.finditer(text):
         form = " ".join(re.split(r"[\s-]+", match.group(0).casefold()))
-        if form not in by_form:  # letters that are equal only to patterns, such as a dotless i
+        # A pattern without case also takes letters for equal that no lower case makes equal: a dotless i.
+        if form not in by_form:
             continue
         thing, is_plural, word = by_form[form]
         if thing.terms:
@@ -120,14 +127,14 @@ def thing_named(subject: str) -> Thing | None:
 def is_head(subject: str) -> bool:
     """Return whether the thing that a noun phrase names is its head: `car` in `old car`, not in `car carrier`."""
     head = _head(subject)
-    found = list(mentions(head))
-    return bool(found) and _reaches_end(found[-1], head)
+    in_head = list(mentions(head))
+    return bool(in_head) and _reaches_end(in_head[-1], head)
 
 
-def may_be(subject: str, asset: Named) -> bool:
+def may_be(subject: str, asset: AnyAsset) -> bool:
     """Return whether an asset fits a noun phrase.
 
-    The noun of an unknown one, or that of its contents, is compared with the words of the asset.
+    The noun of an unknown thing, or of its contents, is compared with the words of the asset.
     """
     thing = thing_named(subject)
     if thing is not None:
@@ -138,21 +145,21 @@ def may_be(subject: str, asset: Named) -> bool:
     return bool(nouns) and bool({nouns[-1], nouns[-1].removesuffix("s")} & words)
 
 
-def words_of(asset: Named) -> frozenset[str]:
+def words_of(asset: AnyAsset) -> frozenset[str]:
     """Return the words for an asset that a term may match."""
     tags = asset.tags if isinstance(asset, Asset) else None
-    return _named_by(asset.id, asset.category, tags, asset.description)
+    return _words(asset.id, asset.category, tags, asset.description)
 
 
 @cache
-def _named_by(
-    name: str, category: str, tags: tuple[str, ...] | None, description: str
+def _words(
+    asset_id: str, category: str, tags: tuple[str, ...] | None, description: str
 ) -> frozenset[str]:
     """Return the words for an asset: from its id, category and tags, or its description if it has no tags."""
-    told = description.split() if tags is None else tags
-    words = {category, name, *told}
-    for one in (name, *told):
-        words.update(re.split(r"[^a-z0-9]+", one.casefold()))
+    terms = (asset_id, *(description.split() if tags is None else tags))
+    words = {category, *terms}
+    for term in terms:
+        words.update(re.split(r"[^a-z0-9]+", term.casefold()))
     return frozenset(words)
 
 
@@ -172,26 +179,25 @@ def _reaches_end(mention: Mention, phrase: str) -> bool:
 
 @cache
 def _index() -> tuple[re.Pattern[str], dict[str, tuple[Thing, bool, str]]]:
+    """Return a pattern of all names, and by form the thing, whether it is a plural, and the singular."""
     by_form: dict[str, tuple[Thing, bool, str]] = {}
     for thing in things():
         for word in thing.words:
-            plain = " ".join(re.split(r"[\s-]+", word.casefold()))
-            for form, is_plural in (
-                (plain, thing.plural or plain in _PLURAL),
-                (plural(plain), True),
-            ):
-                by_form.setdefault(form, (thing, is_plural, word))
+            singular = " ".join(re.split(r"[\s-]+", word.casefold()))
+            is_plural = thing.plural or singular in _PLURAL
+            by_form.setdefault(singular, (thing, is_plural, word))
+            by_form.setdefault(plural_of(singular), (thing, True, word))
     forms = sorted(by_form, key=lambda form: (-len(form), form))
     joined = "|".join(re.escape(form).replace(r"\ ", r"[\s-]+") for form in forms)
     return re.compile(rf"(?<![\w-])(?:{joined})(?![\w-])", re.IGNORECASE), by_form
 
 
-def plural(word: str) -> str:
+def plural_of(word: str) -> str:
     """Return the plural of a noun."""
     head, _, last = word.rpartition(" ")
     first, _, rest = word.partition(" of ")
     if rest:
-        return f"{plural(first)} of {rest}"
+        return f"{plural_of(first)} of {rest}"
     if last in _UNCHANGED:
         return word
     if last in _IRREGULAR:

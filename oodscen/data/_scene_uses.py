@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from oodscen._progress import Progress
-    from oodscen.claims._checking import ClaimFinding
+    from oodscen.claims._findings import ClaimFinding
     from oodscen.data._catalogue import Catalogue
     from oodscen.data._scene import Scene
     from oodscen.driving._trace import Trace

@@ -1,4 +1,4 @@
-"""Typed questions, one per file beside its template, in the order of the pipeline."""
+"""Typed questions with their templates, for every call of a language model."""
 
 import lazy_loader
 

@@ -23,7 +23,7 @@ Answer = TypeVar("Answer", bound=BaseModel)
 class Prompt(Data, Generic[Answer]):
     """A question to a language model; its fields are the inputs.
 
-    A subclass sets its `purpose`, `template` (a Markdown file beside its module) and `answer` type.
+    A subclass sets its `purpose`, `template` (a Markdown file of this package) and `answer` type.
     The rendered conversation depends on the fields alone.
     """
 
@@ -65,14 +65,16 @@ class Prompt(Data, Generic[Answer]):
 
     def instructions(self) -> str:
         """Render the system's turn: what is the same for all questions of this kind in a run."""
-        return "\n\n".join(filter(None, (self.system, self._rendered(0))))
+        above, _ = _compiled_parts(self.template)
+        return "\n\n".join(filter(None, (self.system, self._rendered(above))))
 
     def question(self) -> str:
         """Render the user's turn."""
-        return self._rendered(1)
+        _, below = _compiled_parts(self.template)
+        return self._rendered(below)
 
-    def _rendered(self, part: int) -> str:
-        return _parts(self.template)[part].render(self.variables()).strip()
+    def _rendered(self, template: jinja2.Template) -> str:
+        return template.render(self.variables()).strip()
 
     def messages(self) -> tuple[Message, ...]:
         """Render the whole conversation up to and including the question."""
@@ -118,24 +120,22 @@ def _source(template: str) -> str:
 
 
 @cache
-def _parts(template: str) -> tuple[jinja2.Template, jinja2.Template]:
+def _compiled_parts(template: str) -> tuple[jinja2.Template, jinja2.Template]:
     """Return the instructions and the question of a template, compiled."""
-    above, mark, below = _source(template).partition(_MARK)
-    compiled = _environment().from_string
-    return (compiled(above), compiled(below)) if mark else (compiled(""), compiled(above))
-
-
-_MARK = "\n---\n"
-"""The line of a template that ends the instructions."""
+    instructions, line, question = _source(template).partition("\n---\n")
+    if not line:
+        instructions, question = "", instructions
+    environment = _environment()
+    return environment.from_string(instructions), environment.from_string(question)
 
 
 def _templates(name: str) -> list[str]:
     """Return a template and all templates that it includes, directly or indirectly, each once."""
-    found = [name]
-    for current in found:
+    names = [name]
+    for current in names:
         included = jinja2.meta.find_referenced_templates(_environment().parse(_source(current)))
-        found += [other for other in included if other and other not in found]
-    return found
+        names += [other for other in included if other and other not in names]
+    return names
 
 
 @cache
@@ -163,19 +163,14 @@ def data_block(value: object) -> str:
     return f"<data>{_FENCE.sub('&lt;', str(value))}</data>"
 
 
-def without_blanks(value: object, keep: frozenset[str] = frozenset()) -> object:
-    """Return plain data without entries that are null or empty text: both mean left out.
-
-    Args:
-        value: A part of a model's answer, before validation.
-        keep: Names of entries whose values are returned as they are.
-    """
+def without_blanks(value: object) -> object:
+    """Return a part of a model's answer without entries that are null or empty text: both mean left out."""
     if isinstance(value, Mapping):
         return {
-            name: one if name in keep else without_blanks(one, keep)
-            for name, one in value.items()
-            if name in keep or not (one is None or one == "")
+            name: without_blanks(entry)
+            for name, entry in value.items()
+            if entry is not None and entry != ""
         }
     if isinstance(value, list):
-        return [without_blanks(one, keep) for one in value]
+        return [without_blanks(item) for item in value]
     return value

@@ -15,10 +15,14 @@ from oodscen.prompts._landmarks import Landmark, landmarks
 from oodscen.prompts._layout import layout
 from oodscen.prompts._weather_line import WeatherLimits, weather_line
 
-_SHARED = 3
-"""Number of assets from which their states get a name of their own."""
-_FEW = 7
+_LEAST_SHARING = 3
+"""Number of assets with the same states from which the states get a name of their own."""
+_MOST_NAMED_VEHICLES = 7
 """Largest number of vehicles that are named as those that have a part."""
+
+_NUMBER = r"-?[\d.]+?(?:e[+-]\d+)?"
+_PARAMETER = re.compile(rf"(\w+) ({_NUMBER})\.\.({_NUMBER}) \(")
+"""Name, minimum and maximum of a parameter in the line of a behaviour."""
 
 
 class AssetLine(Data):
@@ -37,9 +41,9 @@ class AssetLine(Data):
     @property
     def is_plain(self) -> bool:
         """True if the description holds every word of the id, which then says enough."""
-        told = set(re.findall(r"[a-z0-9]+", self.description.casefold()))
+        described = set(re.findall(r"[a-z0-9]+", self.description.casefold()))
         words = re.findall(r"[a-z0-9]+", self.id.casefold())
-        return all(any(one.startswith(word) for one in told) for word in words)
+        return all(any(other.startswith(word) for other in described) for word in words)
 
 
 class BehaviourLine(Data):
@@ -50,6 +54,14 @@ class BehaviourLine(Data):
     categories: tuple[Category, ...]
     parameters: str = ""
     """Parameters such as `speed 0..20 (8) m/s`: minimum, maximum, default, unit or meaning."""
+
+    @property
+    def limits(self) -> dict[str, tuple[float, float]]:
+        """Minimum and maximum of every parameter, read from the line."""
+        return {
+            name: (float(minimum), float(maximum))
+            for name, minimum, maximum in _PARAMETER.findall(self.parameters)
+        }
 
 
 class MapLine(Data):
@@ -102,16 +114,16 @@ class CatalogueDigest(Data):
     @property
     def by_category(self) -> dict[str, tuple[AssetLine, ...]]:
         """The assets of each category, in the order of first appearance."""
-        found: dict[str, list[AssetLine]] = {}
+        groups: dict[str, list[AssetLine]] = {}
         for asset in self.assets:
-            found.setdefault(asset.category, []).append(asset)
-        return {category: tuple(assets) for category, assets in found.items()}
+            groups.setdefault(asset.category, []).append(asset)
+        return {category: tuple(assets) for category, assets in groups.items()}
 
     @property
     def state_sets(self) -> dict[str, tuple[str, ...]]:
         """States that many assets share, by the name that stands for them in a prompt."""
         counts = Counter(asset.states for asset in self.assets if asset.states)
-        shared = [states for states, count in counts.items() if count >= _SHARED]
+        shared = [states for states, count in counts.items() if count >= _LEAST_SHARING]
         return {f"set {number}": states for number, states in enumerate(shared, start=1)}
 
     def states_of(self, asset: AssetLine) -> str:
@@ -125,48 +137,47 @@ class CatalogueDigest(Data):
     @classmethod
     def of(cls, catalogue: Catalogue) -> Self:
         """Return the digest of a catalogue."""
+        details = catalogue.details
         return cls(
-            assets=tuple(
-                AssetLine(
-                    id=a.id,
-                    category=a.category,
-                    description=_described(a),
-                    states=a.states,
-                    names=a.names,
-                    length_m=a.length,
-                    width_m=a.width,
-                    height_m=a.height,
-                )
-                for a in catalogue.assets
-            ),
+            assets=tuple(_asset_line(asset) for asset in catalogue.assets),
             behaviours=tuple(_behaviour_line(kind) for kind in catalogue.behaviours),
             maps=tuple(_map_line(road, catalogue) for road in catalogue.maps),
             weather=weather_line(catalogue),
-            poses=tuple(kind.id for kind in catalogue.details.poses) if catalogue.details else (),
-            parts=tuple(_part_line(kind.id, catalogue) for kind in catalogue.details.parts)
-            if catalogue.details
+            poses=tuple(kind.id for kind in details.poses) if details else (),
+            parts=tuple(_part_line(kind.id, catalogue) for kind in details.parts)
+            if details
             else (),
             map_parts=catalogue.map_parts,
         )
 
 
-def _described(asset: Asset) -> str:
-    """Return an asset's description; the size of one that smokes or spreads flat says nothing of its smoke."""
-    if asset.description and {"flat", "smoke"} <= set(asset.tags):
-        return f"{asset.description} (the size is that of its foot; its smoke rises above)"
-    return asset.description
+def _asset_line(asset: Asset) -> AssetLine:
+    description = asset.description
+    if description and {"flat", "smoke"} <= set(asset.tags):
+        description += " (the size is that of its foot; its smoke rises above)"
+    return AssetLine(
+        id=asset.id,
+        category=asset.category,
+        description=description,
+        states=asset.states,
+        names=asset.names,
+        length_m=asset.length,
+        width_m=asset.width,
+        height_m=asset.height,
+    )
 
 
 def _part_line(part: str, catalogue: Catalogue) -> str:
     """Return a part, with the vehicles that have it if they are few."""
-    having = [asset.id for asset in catalogue.assets if asset.offers and part in asset.offers.parts]
-    return f"{part} ({', '.join(having)})" if len(having) <= _FEW else part
+    ids = [asset.id for asset in catalogue.assets if asset.offers and part in asset.offers.parts]
+    return f"{part} ({', '.join(ids)})" if len(ids) <= _MOST_NAMED_VEHICLES else part
 
 
 def _behaviour_line(kind: BehaviourKind) -> BehaviourLine:
     parameters = ", ".join(
-        f"{name} {p.minimum:g}..{p.maximum:g} ({p.default:g}) {p.description}".rstrip()
-        for name, p in kind.parameters.items()
+        f"{name} {parameter.minimum:g}..{parameter.maximum:g} ({parameter.default:g}) "
+        f"{parameter.description}".rstrip()
+        for name, parameter in kind.parameters.items()
     )
     description = f"{kind.description} (needs `other`)" if kind.needs_other else kind.description
     return BehaviourLine(
@@ -175,7 +186,7 @@ def _behaviour_line(kind: BehaviourKind) -> BehaviourLine:
 
 
 def _map_line(road: RoadMap, catalogue: Catalogue) -> MapLine:
-    found, plan = _seen_along(road, catalogue)
+    marks, layout_words = _landmarks_and_layout(road, catalogue)
     return MapLine(
         id=road.id,
         description=road.description,
@@ -183,13 +194,13 @@ def _map_line(road: RoadMap, catalogue: Catalogue) -> MapLine:
         oncoming_lanes=road.oncoming_lanes,
         speed_limit=road.speed_limit,
         traits=road.traits,
-        landmarks=found,
-        somewhere=() if found else road.landmarks,
-        layout=plan,
+        landmarks=marks,
+        somewhere=() if marks else road.landmarks,
+        layout=layout_words,
     )
 
 
-def _seen_along(road: RoadMap, catalogue: Catalogue) -> tuple[tuple[Landmark, ...], str]:
+def _landmarks_and_layout(road: RoadMap, catalogue: Catalogue) -> tuple[tuple[Landmark, ...], str]:
     """Return the landmarks and layout of a map's file; both empty if there is no readable file."""
     if not road.file:
         return (), ""
@@ -197,11 +208,11 @@ def _seen_along(road: RoadMap, catalogue: Catalogue) -> tuple[tuple[Landmark, ..
         corridor = load_corridor(road.id, catalogue)
     except (DataError, UnknownComponent):
         return (), ""
-    return _described_road(corridor, road.traits)
+    return _described_corridor(corridor, road.traits)
 
 
 @lru_cache(maxsize=64)
-def _described_road(
+def _described_corridor(
     corridor: Corridor, traits: tuple[str, ...]
 ) -> tuple[tuple[Landmark, ...], str]:
     """Return the landmarks and layout of a road, which every question about its map repeats."""

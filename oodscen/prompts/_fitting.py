@@ -1,4 +1,4 @@
-"""Shortening of catalogue questions for models with a small context window."""
+"""Shortening of questions about a catalogue for models with a small context window."""
 
 import re
 from typing import Any, TypeVar
@@ -9,10 +9,8 @@ from oodscen.prompts._digest import AssetLine, BehaviourLine, CatalogueDigest
 
 Question = TypeVar("Question", bound=Prompt[Any])
 
-
 ANSWER_TOKENS = 800
 """Tokens reserved for the answer."""
-
 _OF_LANES = frozenset({"two_lane", "three_lane", "four_lane", "oncoming"})
 """Traits of maps that their numbers of lanes tell as well."""
 _COMMON = frozenset("a an and at by from in into is its of off on onto or that the to with".split())
@@ -22,8 +20,8 @@ def fitted(question: Question, context: int | None) -> Question:
     """Return a question that fits the context window of a model together with its answer.
 
     The layouts of the roads, traits that only tell of lanes, poses, and the parts of vehicles and maps go first.
-    Then the assets and behaviours of its catalogue that share the most words
-    with the question's texts stay as they are, and of the others as many as necessary are reduced to their ids.
+    Then as many assets and behaviours of its catalogue as necessary are reduced to their ids; those that share the
+    most words with the question's texts stay as they are.
 
     Args:
         question: A question with a field `catalogue`.
@@ -32,23 +30,17 @@ def fitted(question: Question, context: int | None) -> Question:
     """
     if context is None or tokens_of(question) <= context - ANSWER_TOKENS:
         return question
-    whole: CatalogueDigest = question.catalogue  # type: ignore[attr-defined]
-    maps = tuple(
-        road.model_copy(
-            update={"layout": "", "traits": tuple(t for t in road.traits if t not in _OF_LANES)}
-        )
-        for road in whole.maps
-    )
-    catalogue = whole.model_copy(update={"maps": maps, "map_parts": (), "poses": (), "parts": ()})
-    ranked = _ranked(catalogue, _about(question))
-    low, high = 0, len(ranked)
-    while low < high:
-        middle = (low + high + 1) // 2
-        if tokens_of(_with(question, catalogue, ranked[:middle])) <= context - ANSWER_TOKENS:
-            low = middle
+    catalogue = _without_layouts(question.catalogue)  # type: ignore[attr-defined]
+    ranked = _ranked(catalogue, _words_of(question))
+    fewest, most = 0, len(ranked)
+    while fewest < most:
+        middle = (fewest + most + 1) // 2
+        shorter = _shortened(question, catalogue, ranked[:middle])
+        if tokens_of(shorter) <= context - ANSWER_TOKENS:
+            fewest = middle
         else:
-            high = middle - 1
-    return _with(question, catalogue, ranked[:low])
+            most = middle - 1
+    return _shortened(question, catalogue, ranked[:fewest])
 
 
 def tokens_of(question: Prompt[Any]) -> int:
@@ -56,9 +48,24 @@ def tokens_of(question: Prompt[Any]) -> int:
     return sum(len(message.text) for message in question.messages()) // CHARACTERS_PER_TOKEN
 
 
-def _with(question: Question, catalogue: CatalogueDigest, kept: list[tuple[str, str]]) -> Question:
-    """Return the question with all lines that are not kept reduced to their ids."""
-    whole = set(kept)
+def _without_layouts(catalogue: CatalogueDigest) -> CatalogueDigest:
+    maps = tuple(
+        road.model_copy(
+            update={
+                "layout": "",
+                "traits": tuple(trait for trait in road.traits if trait not in _OF_LANES),
+            }
+        )
+        for road in catalogue.maps
+    )
+    return catalogue.model_copy(update={"maps": maps, "map_parts": (), "poses": (), "parts": ()})
+
+
+def _shortened(
+    question: Question, catalogue: CatalogueDigest, whole_lines: list[tuple[str, str]]
+) -> Question:
+    """Return the question with all but some lines of a catalogue reduced to their ids."""
+    whole = set(whole_lines)
     short = catalogue.model_copy(
         update={
             "assets": tuple(
@@ -78,17 +85,19 @@ def _with(question: Question, catalogue: CatalogueDigest, kept: list[tuple[str, 
     return question.model_copy(update={"catalogue": short})
 
 
-def _about(question: Prompt[Any]) -> set[str]:
-    """Return the words of a question's own texts."""
+def _words_of(question: Prompt[Any]) -> set[str]:
+    """Return the stems of the words in a question's own texts."""
     texts: list[str] = []
     for name in type(question).model_fields:
         value = getattr(question, name)
-        texts += [value] if isinstance(value, str) else []
-        texts += [one for one in value if isinstance(one, str)] if isinstance(value, tuple) else []
-    return _words(" ".join(texts))
+        if isinstance(value, str):
+            texts.append(value)
+        elif isinstance(value, tuple):
+            texts += [item for item in value if isinstance(item, str)]
+    return _stems(" ".join(texts))
 
 
-def _ranked(catalogue: CatalogueDigest, about: set[str]) -> list[tuple[str, str]]:
+def _ranked(catalogue: CatalogueDigest, words: set[str]) -> list[tuple[str, str]]:
     """Return the kind and id of all lines, those with the most shared words first; ties keep catalogue order."""
     lines = [
         *(
@@ -100,10 +109,10 @@ def _ranked(catalogue: CatalogueDigest, about: set[str]) -> list[tuple[str, str]
             for position, line in enumerate(catalogue.assets)
         ),
     ]
-    lines.sort(key=lambda line: (-len(_words(line[2]) & about), line[3]))
-    return [(kind, name) for kind, name, _, _ in lines]
+    lines.sort(key=lambda line: (-len(_stems(line[2]) & words), line[3]))
+    return [(kind, line_id) for kind, line_id, _, _ in lines]
 
 
-def _words(text: str) -> set[str]:
+def _stems(text: str) -> set[str]:
     """Return the stems of the content words."""
     return {stem(word) for word in re.findall(r"[a-z]+", text.casefold()) if word not in _COMMON}

@@ -14,10 +14,12 @@ _REACH_M = 300.0
 """Largest distance of a listed landmark from the ego's start, m."""
 _GAP_M = 15.0
 """Largest gap between the parts of one junction or roundabout, m."""
+_CREST_FROM_M = 20.0
+"""Distance from the ego's start from which a crest counts, m."""
 _LEAST_RISE_M = 2.5
 """Least height of a crest above the road before and behind it, m."""
-_FACING = -0.7
-"""Cosine between the headings of a light and the ego below which the light applies to the ego."""
+_FACING_COSINE = -0.7
+"""Cosine between the headings of a light and the ego up to which the light applies to the ego."""
 
 
 class Landmark(Data):
@@ -40,17 +42,19 @@ def landmarks(corridor: "Corridor", traits: tuple[str, ...] = ()) -> tuple[Landm
         corridor: The road.
         traits: Traits of its map; `roundabout` distinguishes a roundabout from a junction.
     """
-    found = [*_junctions(corridor, traits), *_structures(corridor), *_lights(corridor)]
-    found += _crest(corridor)
-    return tuple(
-        sorted(found, key=lambda landmark: (landmark.ahead_m, landmark.kind, landmark.left_m))
-    )
+    marks = [
+        *_junctions(corridor, traits),
+        *_structures(corridor),
+        *_lights(corridor),
+        *_crest(corridor),
+    ]
+    return tuple(sorted(marks, key=lambda mark: (mark.ahead_m, mark.kind, mark.left_m)))
 
 
 def _junctions(road: "Corridor", traits: tuple[str, ...]) -> Iterator[Landmark]:
     spans: list[list[float]] = []
-    for place in road.s[road.in_junction]:
-        ahead = float(place) - road.start
+    for s in road.s[road.in_junction]:
+        ahead = float(s) - road.start
         if spans and ahead - spans[-1][1] <= _GAP_M:
             spans[-1][1] = ahead
         else:
@@ -58,15 +62,15 @@ def _junctions(road: "Corridor", traits: tuple[str, ...]) -> Iterator[Landmark]:
     for begin, end in spans:
         middle = 0.5 * (begin + end)
         if 0.0 < middle <= _REACH_M:
-            yield _mark("roundabout" if "roundabout" in traits else "junction", middle, end - begin)
+            kind: LandmarkKind = "roundabout" if "roundabout" in traits else "junction"
+            yield _landmark(kind, middle, length=end - begin)
 
 
 def _structures(road: "Corridor") -> Iterator[Landmark]:
     for structure in road.structures:
-        if -_REACH_M <= structure.start - road.start <= _REACH_M and structure.end > road.start:
-            yield _mark(
-                structure.kind, structure.start - road.start, structure.end - structure.start
-            )
+        ahead = structure.start - road.start
+        if abs(ahead) <= _REACH_M and structure.end > road.start:
+            yield _landmark(structure.kind, ahead, length=structure.end - structure.start)
 
 
 def _lights(road: "Corridor") -> Iterator[Landmark]:
@@ -75,22 +79,24 @@ def _lights(road: "Corridor") -> Iterator[Landmark]:
         ahead = signal.s - road.start
         if signal.kind != "traffic_light" or not 0.0 < ahead <= _REACH_M:
             continue
-        if cos(signal.yaw - road.heading(signal.s)) <= _FACING:
-            yield _mark("traffic_light", ahead, left=signal.t - road.centre(lane, signal.s))
+        if cos(signal.yaw - road.heading(signal.s)) <= _FACING_COSINE:
+            yield _landmark("traffic_light", ahead, left=signal.t - road.centre(lane, signal.s))
 
 
 def _crest(road: "Corridor") -> Iterator[Landmark]:
-    first = int((road.start + 20.0) / road.step)
+    first = int((road.start + _CREST_FROM_M) / road.step)
     last = min(int((road.start + _REACH_M) / road.step), len(road.z) - 1)
     if last - first < 3:
         return
     heights = road.z[first : last + 1]
     top = int(heights.argmax())
     if min(heights[top] - heights[0], heights[top] - heights[-1]) >= _LEAST_RISE_M:
-        yield _mark("crest", float(road.s[first + top]) - road.start)
+        yield _landmark("crest", float(road.s[first + top]) - road.start)
 
 
-def _mark(kind: LandmarkKind, ahead: float, length: float = 0.0, left: float = 0.0) -> Landmark:
+def _landmark(
+    kind: LandmarkKind, ahead: float, *, length: float = 0.0, left: float = 0.0
+) -> Landmark:
     return Landmark(
         kind=kind,
         ahead_m=round(float(ahead), 1),

@@ -8,6 +8,9 @@ from oodscen.data._additions import DENSE_FOG_M, ICE
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG, WeatherKind, is_weather_kind
 
+_CLEAR_FROM_M = 5_000.0
+"""Visual range from which the air counts as clear, m."""
+
 
 @dataclass(frozen=True)
 class WeatherLimits:
@@ -23,30 +26,31 @@ class WeatherLimits:
     friction: float
     """Least friction."""
     sun_deg: float = -90.0
-    """Lowest elevation of the sun, degrees; told only where there is no night."""
+    """Lowest elevation of the sun, degrees; stated only where there is no night."""
     sun_is_drawn: bool = True
+    """False if every sun looks alike."""
     others: tuple[str, ...] = ()
     """Kinds of weather that no scene can ask for."""
 
     @classmethod
     def of(cls, line: str) -> Self:
         """Parse a line such as `night; fog down to 30 m visual range; rain and snow up to 60 mm/h; ...`."""
-        told, _, also = line.partition("; also ")
+        scaled, _, also = line.partition("; also ")
         others = also.removesuffix(", which no scene can ask for")
 
-        def number(pattern: str, default: float) -> float:
-            match = re.search(pattern, told)
-            return float(match.group(1)) if match else default
+        def number(before: str, default: float) -> float:
+            match = re.search(rf"{before} (-?[\d.]+(?:e[+-]\d+)?)", scaled)
+            return float(match[1]) if match else default
 
         return cls(
-            night=told.startswith("night"),
-            fog_m=number(r"fog down to ([\d.e+]+)", CLEAR_AIR_M),
-            rain=re.search(r"\brain\b", told) is not None,
-            snow=re.search(r"\bsnow\b", told) is not None,
-            intensity=number(r"up to ([\d.e+]+) mm/h", 0.0),
-            friction=number(r"friction down to ([\d.e+]+)", 1.0),
-            sun_deg=number(r"sun at (-?[\d.e+]+) degrees", -90.0),
-            sun_is_drawn="every sun looks alike" not in told,
+            night=scaled.startswith("night"),
+            fog_m=number("fog down to", CLEAR_AIR_M),
+            rain=re.search(r"\brain\b", scaled) is not None,
+            snow=re.search(r"\bsnow\b", scaled) is not None,
+            intensity=number("up to", 0.0),
+            friction=number("friction down to", 1.0),
+            sun_deg=number("sun at", -90.0),
+            sun_is_drawn="every sun looks alike" not in scaled,
             others=tuple(others.split(", ")) if others else (),
         )
 
@@ -79,10 +83,10 @@ def weather_line(catalogue: Catalogue) -> str:
     if not weather.sun_is_drawn:
         parts.append("every sun looks alike: neither dusk nor glare")
     fog = weather.min_fog_visual_range_m
-    parts.append(f"fog down to {fog:g} m visual range" if fog < 5_000 else "no fog")
-    falling = [kind for kind in weather.precipitation if kind != "none"]
-    if falling:
-        parts.append(f"{' and '.join(falling)} up to {weather.max_precipitation_mm_h:g} mm/h")
+    parts.append(f"fog down to {fog:g} m visual range" if fog < _CLEAR_FROM_M else "no fog")
+    kinds = [kind for kind in weather.precipitation if kind != "none"]
+    if kinds:
+        parts.append(f"{' and '.join(kinds)} up to {weather.max_precipitation_mm_h:g} mm/h")
     else:
         parts.append("no precipitation")
     parts.append(f"road friction down to {weather.min_friction:g}")

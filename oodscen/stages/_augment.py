@@ -11,7 +11,7 @@ from oodscen._text import one_line
 from oodscen.claims._checking import check_claims, mismatches
 from oodscen.claims._faithfulness import extract_claims
 from oodscen.claims._matching import Likeness, likeness_of
-from oodscen.claims._roads import fitting_roads, of_roads
+from oodscen.claims._roads import fitting_roads, road_claims
 from oodscen.claims._things import may_be
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim, Mismatch
@@ -153,12 +153,12 @@ class Augmenter(Brief):
         Raises:
             AnswerError: When no map satisfies them.
         """
-        road_claims = of_roads(claims)
-        if not road_claims:
+        about_roads = road_claims(claims)
+        if not about_roads:
             return ()
-        roads = fitting_roads(road_claims, self.catalogue.maps)
+        roads = fitting_roads(about_roads, self.catalogue.maps)
         if not roads:
-            statements = "; ".join(map(str, road_claims))
+            statements = "; ".join(map(str, about_roads))
             fault = Issue(
                 "cannot_show",
                 f"the simulator has no road with all of these properties: {statements}",

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 
 _SHOWN_LABELS = 12
 """Number of labels of a path that are shown."""
-
 _STYLES = (
     "  classDef added fill:#d9f2e6,stroke:#0f7558,color:#10201a",
     "  classDef removed fill:#fae0d9,stroke:#b23a1e,color:#2a120b,stroke-dasharray:4",
@@ -103,36 +102,36 @@ class TreeDiff(Data):
             f"{len(self.removed)} removed, {len(self.broadened)} broadened, {len(self.moved)} "
             f"moved, {self.unchanged} unchanged"
         ]
-        lines += [f"+ {_shown(item.path)}" for item in self.added]
-        lines += [f"- {_shown(item.path)}" for item in self.removed]
-        for broad in self.broadened:
-            similarity = "" if broad.similarity is None else f" (similarity {broad.similarity:.2f})"
-            lines.append(f"~ {broad.label_before} -> {broad.label_after}{similarity}")
-        lines += [f"> {_shown(m.path_before)} -> {_shown(m.path_after)}" for m in self.moved]
+        lines += [f"+ {_joined(item.path)}" for item in self.added]
+        lines += [f"- {_joined(item.path)}" for item in self.removed]
+        for item in self.broadened:
+            similarity = "" if item.similarity is None else f" (similarity {item.similarity:.2f})"
+            lines.append(f"~ {item.label_before} -> {item.label_after}{similarity}")
+        lines += [f"> {_joined(m.path_before)} -> {_joined(m.path_after)}" for m in self.moved]
         return "\n".join(lines)
 
     def to_mermaid(self) -> str:
         """Return the changes as a Mermaid flowchart: added green, removed red, relabelled amber."""
         chart = _Chart(self.matches)
         for items, key_of, style in (
-            (self.removed, chart.first, "removed"),
-            (self.added, chart.second, "added"),
+            (self.removed, chart.key_before, "removed"),
+            (self.added, chart.key_after, "added"),
         ):
             for item in items:
-                chart.show(key_of(item.id), item.path[-1], style)
+                chart.add_node(key_of(item.id), item.path[-1], style)
                 if item.parent is not None:
-                    chart.hang(key_of(item.id), key_of(item.parent), item.path)
-        for broad in self.broadened:
-            text = f"{broad.label_before} → {broad.label_after}"
-            chart.show(chart.second(broad.after), text, "broadened")
+                    chart.add_edge(key_of(item.id), key_of(item.parent), item.path)
+        for broadened in self.broadened:
+            text = f"{broadened.label_before} → {broadened.label_after}"
+            chart.add_node(chart.key_after(broadened.after), text, "broadened")
         for moved in self.moved:
-            key = chart.second(moved.after)
-            chart.show_moved(key, moved.path_after[-1])
+            key = chart.key_after(moved.after)
+            chart.add_moved_node(key, moved.path_after[-1])
             if moved.parent_before is not None:
-                parent = chart.first(moved.parent_before)
-                chart.hang(key, parent, moved.path_before, "-. was .->")
+                parent = chart.key_before(moved.parent_before)
+                chart.add_edge(key, parent, moved.path_before, "-. was .->")
             if moved.parent_after is not None:
-                chart.hang(key, chart.second(moved.parent_after), moved.path_after)
+                chart.add_edge(key, chart.key_after(moved.parent_after), moved.path_after)
         return "\n".join(chart.lines())
 
 
@@ -145,32 +144,32 @@ class _Chart:
         self._styles: dict[str, str] = {}
         self._edges: list[tuple[str, str, str]] = []
 
-    def first(self, node_id: str) -> str:
+    def key_before(self, node_id: str) -> str:
         """Return the key of a node of the first tree."""
         after = self._partner.get(node_id)
         return f"a {node_id}" if after is None else f"b {after}"
 
-    def second(self, node_id: str) -> str:
+    def key_after(self, node_id: str) -> str:
         """Return the key of a node of the second tree."""
         return f"b {node_id}"
 
-    def show(self, key: str, text: str, style: str) -> None:
-        """Show a node that was added, removed or relabelled."""
+    def add_node(self, key: str, text: str, style: str) -> None:
+        """Add a node that was added, removed or relabelled."""
         self._texts[key], self._styles[key] = text, style
 
-    def show_moved(self, key: str, text: str) -> None:
-        """Show a moved node, unless it is shown as relabelled."""
+    def add_moved_node(self, key: str, text: str) -> None:
+        """Add a moved node, unless it is there as a relabelled one."""
         self._texts.setdefault(key, text)
         self._styles.setdefault(key, "moved")
 
-    def hang(self, key: str, parent: str, path: tuple[str, ...], arrow: str = "-->") -> None:
-        """Draw an edge from a parent, the last but one of the path."""
+    def add_edge(self, key: str, parent: str, path: tuple[str, ...], arrow: str = "-->") -> None:
+        """Add an edge from a parent, the last but one of the path."""
         self._texts.setdefault(parent, path[-2])
         self._edges.append((parent, arrow, key))
 
     def lines(self) -> list[str]:
         """Return the lines of the flowchart."""
-        names = {key: f"n{number}" for number, key in enumerate(self._texts)}
+        names = {key: f"n{index}" for index, key in enumerate(self._texts)}
         return [
             "flowchart LR",
             *(f'  {names[key]}["{mermaid_text(text)}"]' for key, text in self._texts.items()),
@@ -181,18 +180,18 @@ class _Chart:
 
 
 def diff(
-    one: "ScenarioTree",
-    other: "ScenarioTree",
+    first: "ScenarioTree",
+    second: "ScenarioTree",
     *,
     encoder: Encoder | None = None,
     threshold: float = THRESHOLD,
 ) -> TreeDiff:
     """Return the nodes that the second tree adds, removes, relabels or moves; see `ScenarioTree.diff`."""
-    matches = match(one, other, encoder=encoder, threshold=threshold)
+    matches = match(first, second, encoder=encoder, threshold=threshold)
     partner = {pair.before: pair.after for pair in matches}
     broadened, moved = [], []
     for pair in matches:
-        before, after = one.by_id[pair.before], other.by_id[pair.after]
+        before, after = first.by_id[pair.before], second.by_id[pair.after]
         if before.label != after.label:
             broadened.append(
                 Broadened(
@@ -204,31 +203,31 @@ def diff(
                     similarity=pair.similarity,
                 )
             )
-        expected = partner.get(before.parent) if before.parent else None
-        if after.parent != expected:
+        parent_in_second = partner.get(before.parent) if before.parent is not None else None
+        if after.parent != parent_in_second:
             moved.append(
                 Moved(
                     before=before.id,
                     after=after.id,
                     parent_before=before.parent,
                     parent_after=after.parent,
-                    path_before=_path(one, before.id),
-                    path_after=_path(other, after.id),
+                    path_before=_path(first, before.id),
+                    path_after=_path(second, after.id),
                 )
             )
     return TreeDiff(
         encoder=encoder.name if encoder is not None else "",
         threshold=threshold if encoder is not None else None,
-        sizes=(len(one), len(other)),
+        sizes=(len(first), len(second)),
         matches=matches,
-        added=_alone(other, set(partner.values())),
-        removed=_alone(one, partner.keys()),
+        added=_unpaired(second, set(partner.values())),
+        removed=_unpaired(first, partner.keys()),
         broadened=tuple(broadened),
         moved=tuple(moved),
     )
 
 
-def _alone(tree: "ScenarioTree", paired: Container[str]) -> tuple[OwnNode, ...]:
+def _unpaired(tree: "ScenarioTree", paired: Container[str]) -> tuple[OwnNode, ...]:
     return tuple(
         OwnNode(
             id=node.id,
@@ -244,13 +243,16 @@ def _alone(tree: "ScenarioTree", paired: Container[str]) -> tuple[OwnNode, ...]:
 def _path(tree: "ScenarioTree", node_id: str) -> tuple[str, ...]:
     """Return the labels from the root to a node, cut to a readable length."""
     labels: list[str] = []
-    cursor: str | None = node_id
-    while cursor is not None and len(labels) < _SHOWN_LABELS:
-        labels.append(tree.by_id[cursor].label)
-        cursor = tree.by_id[cursor].parent
-    return (*(("…",) if cursor is not None else ()), *reversed(labels))
+    ancestor: str | None = node_id
+    while ancestor is not None and len(labels) < _SHOWN_LABELS:
+        labels.append(tree.by_id[ancestor].label)
+        ancestor = tree.by_id[ancestor].parent
+    if ancestor is not None:
+        labels.append("…")
+    return tuple(reversed(labels))
 
 
-def _shown(path: tuple[str, ...]) -> str:
+def _joined(path: tuple[str, ...]) -> str:
     """Join a path without the root, which carries no information."""
-    return " > ".join(path[1:] if len(path) > 1 and path[0] != "…" else path)
+    has_root = len(path) > 1 and path[0] != "…"
+    return " > ".join(path[1:] if has_root else path)

@@ -2,7 +2,7 @@
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal, TypeVar
 
 from oodscen.data._base import Data
 from oodscen.data._episode import Episode
@@ -61,7 +61,7 @@ class Coverage(Data):
     rows: tuple[NodeTally, ...] = ()
     """One row per node, in tree order; each includes the nodes below it."""
     elsewhere: int = 0
-    """Number of texts, scenes and episodes that belong to no leaf of the tree."""
+    """Number of texts, scenes and episodes that belong to no node of the tree."""
 
     @property
     def holes(self) -> tuple[NodeTally, ...]:
@@ -75,9 +75,10 @@ class Coverage(Data):
 
     @property
     def exposed_holes(self) -> float | None:
-        """Share of what a driver would meet that lies in leaves that lack something; `None` if not known."""
-        known = [row.exposure for row in self.holes if row.exposure is not None]
-        return sum(known) if any(row.exposure is not None for row in self.rows) else None
+        """Share of the tree's meetings that falls to leaves that lack something; `None` if no leaf has an exposure."""
+        if all(row.exposure is None for row in self.rows):
+            return None
+        return sum(row.exposure for row in self.holes if row.exposure is not None)
 
     def of(self, kind: Kind) -> tuple[NodeTally, ...]:
         """Return the rows of one kind."""
@@ -85,16 +86,11 @@ class Coverage(Data):
 
     def __str__(self) -> str:
         head = f"{'':52} leaves  texts scenes    ran failed   safe unsafe  mixed  twins  holes"
-        lines = [head]
-        for row in self.rows:
-            name = f"{'  ' * min(row.depth, 8)}{row.label}"
-            name = name if len(name) <= 52 else f"{name[:51]}…"
-            numbers = "".join(f"{getattr(row, count):7}" for count in COUNTS)
-            lines.append(f"{name:52}{numbers}{f'  lacks {row.lacks}' if row.lacks else ''}")
+        lines = [head, *map(_table_line, self.rows)]
         for lack, words in LACKS.items():
-            found = [row.label for row in self.holes if row.lacks == lack]
-            if found:
-                lines.append(f"{len(found)} {words}: {'; '.join(found)}")
+            labels = [row.label for row in self.holes if row.lacks == lack]
+            if labels:
+                lines.append(f"{len(labels)} {words}: {'; '.join(labels)}")
         if self.holes and self.exposed_holes is not None:
             unknown = sum(row.exposure is None for row in self.holes)
             others = f"; {unknown} more cannot be told" if unknown else ""
@@ -106,6 +102,15 @@ class Coverage(Data):
         return "\n".join(lines)
 
 
+def _table_line(row: NodeTally) -> str:
+    name = f"{'  ' * min(row.depth, 8)}{row.label}"
+    if len(name) > 52:
+        name = f"{name[:51]}…"
+    numbers = "".join(f"{getattr(row, count):7}" for count in COUNTS)
+    lacks = f"  lacks {row.lacks}" if row.lacks else ""
+    return f"{name:52}{numbers}{lacks}"
+
+
 LACKS: Mapping[Lack, str] = {
     "text": "without a text",
     "scene": "with a text but no scene",
@@ -113,11 +118,17 @@ LACKS: Mapping[Lack, str] = {
     "choice": "with episodes in which every action, or none, is safe",
 }
 """Descriptions of the items that a leaf can lack, by their names in `NodeTally.lacks`."""
-
-
 COUNTS = (
-    *("leaves", "texts", "scenes", "episodes", "failed"),
-    *("safe", "unsafe", "mixed", "twins", "holes"),
+    "leaves",
+    "texts",
+    "scenes",
+    "episodes",
+    "failed",
+    "safe",
+    "unsafe",
+    "mixed",
+    "twins",
+    "holes",
 )
 """The counts of a `NodeTally`, in the order of a report's columns."""
 
@@ -132,8 +143,8 @@ def coverage(
 ) -> Coverage:
     """Count the texts, scenes and episodes that cover each node of a tree.
 
-    A text belongs to the leaf that it names, a scene to the leaf of its text, and an episode to the
-    leaf of its scene. Repeated ids are skipped.
+    A text belongs to the node that it names, usually a leaf, a scene to the node of its text, and an
+    episode to the node of its scene. Repeated ids are skipped.
 
     Args:
         tree: Any tree.
@@ -142,33 +153,27 @@ def coverage(
         episodes: The episodes of the scenes, including those of twins.
         per_km: Meetings per kilometre by leaf, which weight the nodes.
     """
-    counts: dict[str, Counter[str]] = {node.id: Counter() for node in tree.nodes}
-    words: dict[str, set[str]] = defaultdict(set)
-    leaf_of_text: dict[str, str] = {}
-    leaf_of_scene: dict[str, str] = {}
+    texts, scenes = _without_repeats(texts), _without_repeats(scenes)
+    leaf_of_text: dict[str | None, str] = {text.id: text.leaf for text in texts}
+    leaf_of_scene = {scene.id: leaf_of_text.get(scene.scenario_id) for scene in scenes}
+    counts: dict[str | None, Counter[str]] = {node.id: Counter() for node in tree.nodes}
+    wordings: dict[str, set[str]] = defaultdict(set)
     elsewhere = 0
     for text in texts:
-        leaf_of_text.setdefault(text.id, text.leaf)
         if text.leaf in counts:
-            words[text.leaf].add(same_words(text.text))
-            counts[text.leaf]["texts"] = len(words[text.leaf])
+            wordings[text.leaf].add(same_words(text.text))
         else:
             elsewhere += 1
+    for node_id, different in wordings.items():
+        counts[node_id]["texts"] = len(different)
     for scene in scenes:
-        leaf = leaf_of_text.get(scene.scenario_id or "", "")
-        if scene.id in leaf_of_scene:
-            continue
-        leaf_of_scene[scene.id] = leaf
+        leaf = leaf_of_scene[scene.id]
         if leaf in counts:
             counts[leaf]["scenes"] += 1
         else:
             elsewhere += 1
-    seen: set[str] = set()
-    for episode in episodes:
-        leaf = leaf_of_scene.get(scene_of(episode.scene_id), "")
-        if episode.id in seen:
-            continue
-        seen.add(episode.id)
+    for episode in _without_repeats(episodes):
+        leaf = leaf_of_scene.get(scene_of(episode.scene_id))
         if leaf in counts:
             _count_episode(counts[leaf], episode)
         else:
@@ -205,9 +210,21 @@ def study_coverage(study: "Study", tree: str = "simulatable") -> Coverage:
     )
 
 
+_Item = TypeVar("_Item", Scenario, Scene, Episode)
+
+
+def _without_repeats(items: Iterable[_Item]) -> list[_Item]:
+    """Return the first item of each id."""
+    by_id: dict[str, _Item] = {}
+    for item in items:
+        by_id.setdefault(item.id, item)
+    return list(by_id.values())
+
+
 def _count_episode(count: Counter[str], episode: Episode) -> None:
     if episode.is_ordinary:
-        count["twins"] += episode.is_twin and episode.status == "ok"
+        if episode.is_twin and episode.status == "ok":
+            count["twins"] += 1
     elif episode.status != "ok":
         count["failed"] += 1
     else:
@@ -218,27 +235,31 @@ def _count_episode(count: Counter[str], episode: Episode) -> None:
 
 
 def _rows(
-    tree: "ScenarioTree", counts: Mapping[str, Counter[str]], per_km: Mapping[str, float]
+    tree: "ScenarioTree", counts: Mapping[str | None, Counter[str]], per_km: Mapping[str, float]
 ) -> tuple[NodeTally, ...]:
+    """Return the rows of all nodes, after the counts of each leaf are added to those of the nodes above it."""
     order = list(tree.walk())
     leaves = [leaf.id for leaf in tree.leaves]
-    met = {leaf: per_km[leaf] for leaf in leaves if leaf in per_km}
-    total = sum(met.values())
     lacks = {leaf: _lack(counts[leaf]) for leaf in leaves}
     for leaf, lack in lacks.items():
         counts[leaf].update(leaves=1, holes=int(bool(lack)))
+    meetings = {leaf: per_km[leaf] for leaf in leaves if leaf in per_km}
+    total = sum(meetings.values())
     for node, _ in reversed(order):
-        if node.parent is not None:
-            counts[node.parent].update(counts[node.id])
-            if node.id in met:
-                met[node.parent] = met.get(node.parent, 0.0) + met[node.id]
+        if node.parent is None:
+            continue
+        counts[node.parent].update(counts[node.id])
+        if node.id in meetings:
+            meetings[node.parent] = meetings.get(node.parent, 0.0) + meetings[node.id]
     return tuple(
         NodeTally(
             id=node.id,
             label=node.label,
             kind=_kind(depth, is_leaf=node.id in lacks),
             depth=depth,
-            exposure=round(met[node.id] / total, 6) if node.id in met and total > 0.0 else None,
+            exposure=round(meetings[node.id] / total, 6)
+            if node.id in meetings and total > 0.0
+            else None,
             lacks=lacks.get(node.id, ""),
             **{name: counts[node.id][name] for name in COUNTS},
         )
@@ -247,8 +268,10 @@ def _rows(
 
 
 def _kind(depth: int, *, is_leaf: bool) -> Kind:
-    if depth < 2:
-        return "class" if depth else "root"
+    if depth == 0:
+        return "root"
+    if depth == 1:
+        return "class"
     return "leaf" if is_leaf else "family"
 
 

@@ -48,24 +48,24 @@ class EditLog:
         """Apply edits on top of the first `version` edits.
 
         Returns:
-            The index with the result (this one, if nothing was added since), and all misfits. If
-            there is a misfit, no edit is applied.
+            The index with the result (this one, if nothing was added since), and all faults. If
+            there is one, no edit is applied.
         """
         with self._lock:
-            growth = self if version == len(self.log) else self._fork(version)
+            index = self if version == len(self.log) else self._fork(version)
             issues, refused = [], set[str | None]()
-            for index, edit in enumerate(edits):
-                if not (message := growth._misfit(edit, version + index)):
-                    growth._play(edit)
+            for position, edit in enumerate(edits):
+                if not (fault := index._fault(edit, version + position)):
+                    index._play(edit)
                     continue
-                # A node below a refused node has no fault of its own.
-                on = edit.parent if edit.op == "add" else edit.node
-                if on not in refused or on in growth.nodes:
-                    issues.append(Issue(f"{where}[{index}]", message))
+                # An edit that only lacks a refused node has no fault of its own.
+                needed = edit.parent if edit.op == "add" else edit.node
+                if needed not in refused or needed in index.nodes:
+                    issues.append(Issue(f"{where}[{position}]", fault))
                 refused.add(edit.node)
             if issues:
-                growth._cut(version)
-            return growth, issues
+                index._cut(version)
+            return index, issues
 
     def copy(self, version: int) -> "EditLog":
         """Return a copy of the index of the first `version` edits."""
@@ -86,21 +86,19 @@ class EditLog:
         """Return all nodes: parents before children, otherwise in the order in which they were first added."""
         with self._lock:
             if not self._is_ordered:
-                born = self.born
-                self.nodes = _parents_first(
-                    sorted(self.nodes.values(), key=lambda node: born[node.id])
-                )
+                by_birth = sorted(self.nodes.values(), key=lambda node: self.born[node.id])
+                self.nodes = _parents_first(by_birth)
                 self._is_ordered = True
             return tuple(self.nodes.values())
 
     def at_or_below(self, node_id: str) -> list[str]:
         """Return the ids of a node and its descendants, parents first."""
-        found = [node_id]
-        for name in found:
-            found += sorted(self._children.get(name, ()), key=self.born.__getitem__)
-        return found
+        ids = [node_id]
+        for name in ids:
+            ids += sorted(self._children.get(name, ()), key=self.born.__getitem__)
+        return ids
 
-    def removed(self, node_id: str) -> Node | None:
+    def before_removal(self, node_id: str) -> Node | None:
         """Return a node as it was before it was last removed."""
         for edit, before in zip(reversed(self.log), reversed(self.before), strict=True):
             if edit.op == "remove" and edit.node == node_id:
@@ -149,8 +147,10 @@ class EditLog:
         elif edit.op == "remove":
             self._put(edit.node, None)
         elif before is not None and edit.op == "broaden":
-            known = None if edit.undoes is not None else before.attested
-            update = {"label": edit.label, "attested": edit.attested or known}
+            attested = edit.attested
+            if attested is None and edit.undoes is None:
+                attested = before.attested
+            update = {"label": edit.label, "attested": attested}
             self._put(edit.node, before.model_copy(update=update))
         elif before is not None and edit.op == "narrow":
             update = {"label": edit.label, "attested": edit.attested}
@@ -174,25 +174,25 @@ class EditLog:
             self._is_ordered = False
         self.nodes[node_id] = node
 
-    def _misfit(self, edit: TreeEdit, index: int) -> str:
+    def _fault(self, edit: TreeEdit, index: int) -> str:
         """Return why an edit cannot be applied, or an empty string."""
-        if idle := _idle_field(edit):
-            return f"a {edit.op!r} edit has no `{idle}`"
+        if field := _unused_field(edit):
+            return f"a {edit.op!r} edit has no `{field}`"
         if edit.undoes is not None and not 0 <= edit.undoes < index:
             return f"it undoes edit {edit.undoes}, which does not come before it"
         if edit.op in ("add", "broaden", "narrow") and (fault := label_fault(edit.label or "")):
             return fault
         if edit.op == "add":
-            return self._unaddable(edit)
+            return self._fault_of_add(edit)
         if edit.node not in self.nodes:
             return f"the node {edit.node[:80]!r} does not exist"
         if edit.op == "move":
-            return self._misplaced(edit)
+            return self._fault_of_move(edit)
         if edit.op == "remove" and self._children.get(edit.node):
             return f"the node {edit.node!r} still has children"
         return ""
 
-    def _unaddable(self, edit: TreeEdit) -> str:
+    def _fault_of_add(self, edit: TreeEdit) -> str:
         """Return why a node cannot be added, or an empty string."""
         if not _ID.fullmatch(edit.node):
             return f"{edit.node[:80]!r} is not a valid id (letters, digits, '-', '_', '.')"
@@ -204,7 +204,7 @@ class EditLog:
             return f"the parent {edit.parent[:80]!r} does not exist (before its child)"
         return _TOO_DEEP if len(self._ancestry(edit.parent)) > MAX_DEPTH else ""
 
-    def _misplaced(self, edit: TreeEdit) -> str:
+    def _fault_of_move(self, edit: TreeEdit) -> str:
         """Return why a node cannot be moved, or an empty string."""
         if edit.parent is None:
             return f"{edit.node!r} would be a second root"
@@ -220,34 +220,35 @@ class EditLog:
 
     def _ancestry(self, node_id: str | None) -> list[str]:
         """Return the ids from a node up to the root."""
-        found = []
+        ids = []
         while node_id is not None:
-            found.append(node_id)
+            ids.append(node_id)
             node_id = self.nodes[node_id].parent
-        return found
+        return ids
 
 
-def _idle_field(edit: TreeEdit) -> str:
-    """Return the name of a field about the node that is set and that the kind of edit does not use, or ""."""
-    is_label_elsewhere = edit.op == "keep" and edit.origin_node
-    used = _FIELDS[edit.op] | ({"label"} if is_label_elsewhere else set())
-    about_node = ("parent", "label", "attested")
-    return next(
-        (name for name in about_node if getattr(edit, name) is not None and name not in used), ""
-    )
+def _unused_field(edit: TreeEdit) -> str:
+    """Return the name of a field about the node that is set, but that this kind of edit does not use; else ""."""
+    used = _FIELDS[edit.op]
+    if edit.op == "keep" and edit.origin_node:
+        used = frozenset({"label"})
+    for name in ("parent", "label", "attested"):
+        if name not in used and getattr(edit, name) is not None:
+            return name
+    return ""
 
 
 def _parents_first(nodes: Sequence[Node]) -> dict[str, Node]:
     """Order the nodes so that parents precede their children; siblings keep their order."""
-    found: dict[str, Node] = {}
+    ordered: dict[str, Node] = {}
     waiting: dict[str, list[Node]] = {}
     for node in nodes:
-        if node.parent is not None and node.parent not in found:
+        if node.parent is not None and node.parent not in ordered:
             waiting.setdefault(node.parent, []).append(node)
             continue
         ready = [node]
         while ready:
-            last = ready.pop()
-            found[last.id] = last
-            ready.extend(reversed(waiting.pop(last.id, ())))
-    return found
+            current = ready.pop()
+            ordered[current.id] = current
+            ready.extend(reversed(waiting.pop(current.id, ())))
+    return ordered

@@ -17,24 +17,25 @@ def to_mermaid(tree: "ScenarioTree") -> str:
     refuse charts above a size limit (500 edges by default); Graphviz has no such limit.
     """
     names = _names(tree)
-    lines = [f'  {names[node.id]}["{mermaid_text(node.label)}"]' for node in tree.nodes]
-    lines += [
+    nodes = [f'  {names[node.id]}["{mermaid_text(node.label)}"]' for node in tree.nodes]
+    edges = [
         f"  {names[node.parent]} --> {names[node.id]}"
         for node in tree.nodes
         if node.parent is not None
     ]
-    lines += [f"  class {names[node.id]} paper" for node in tree.nodes if _is_papers(tree, node)]
-    return "\n".join(["flowchart LR", *lines, "  classDef paper stroke-width:3px"])
+    styles = [f"  class {names[node.id]} paper" for node in tree.nodes if _is_papers(tree, node)]
+    styles.append("  classDef paper stroke-width:3px")
+    return "\n".join(["flowchart LR", *nodes, *edges, *styles])
 
 
 def to_dot(tree: "ScenarioTree") -> str:
     """Return the tree in Graphviz's DOT language; node names are the ids."""
-    lines = [
+    nodes = [
         f"  {_dot_text(node.id)} [label={_dot_text(node.label)}"
         f"{', penwidth=2' if _is_papers(tree, node) else ''}];"
         for node in tree.nodes
     ]
-    lines += [
+    edges = [
         f"  {_dot_text(node.parent)} -> {_dot_text(node.id)};"
         for node in tree.nodes
         if node.parent is not None
@@ -44,7 +45,7 @@ def to_dot(tree: "ScenarioTree") -> str:
         "  rankdir=LR;",
         '  node [shape=box, style=rounded, fontname="sans"];',
     ]
-    return "\n".join([*head, *lines, "}"])
+    return "\n".join([*head, *nodes, *edges, "}"])
 
 
 def to_nested_json(tree: "ScenarioTree") -> str:
@@ -53,16 +54,16 @@ def to_nested_json(tree: "ScenarioTree") -> str:
     An empty tree is `null`.
     """
     parts: list[str] = []
-    open_: list[int] = []
+    nesting: list[int] = []
     for node, depth in tree.walk():
-        while open_ and open_[-1] >= depth:
-            open_.pop()
+        while nesting and nesting[-1] >= depth:
+            nesting.pop()
             parts.append("]}")
         if parts and not parts[-1].endswith("["):
             parts.append(",")
-        parts.append(f'{_fields(node)},"children":[')
-        open_.append(depth)
-    parts += ["]}"] * len(open_)
+        parts.append(f'{_open_object(node)},"children":[')
+        nesting.append(depth)
+    parts += ["]}"] * len(nesting)
     return "".join(parts) or "null"
 
 
@@ -71,15 +72,16 @@ def mermaid_text(text: str) -> str:
     return _SPECIAL.sub(lambda match: "".join(f"#{ord(char)};" for char in match[0]), text)
 
 
-# Escape what a chart could interpret: all but words and plain punctuation, and list markers.
 _SPECIAL = re.compile(r"[^\w .,;()/+–—’“”„→…-]|^[-+]|(?<=^\d)\.|(?<=^\d\d)\.")
+"""Characters that a chart could interpret: all but words and plain punctuation, and list markers."""
 
 
 def _names(tree: "ScenarioTree") -> dict[str, str]:
-    return {node.id: f"n{number}" for number, node in enumerate(tree.nodes)}
+    return {node.id: f"n{index}" for index, node in enumerate(tree.nodes)}
 
 
 def _is_papers(tree: "ScenarioTree", node: Node) -> bool:
+    """Return whether a node is a leaf that the paper names."""
     return node.attested is not None and not tree.children[node.id]
 
 
@@ -88,6 +90,7 @@ def _dot_text(text: str) -> str:
     return f'"{escaped}"'
 
 
-def _fields(node: Node) -> str:
+def _open_object(node: Node) -> str:
+    """Return the JSON object of a node without its closing brace."""
     fields = {"id": node.id, "label": node.label, "attested": node.attested}
     return json.dumps(fields, ensure_ascii=False)[:-1]

@@ -1,7 +1,7 @@
 """The history of a tree: earlier states, replay and undo."""
 
 from collections.abc import Container, Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from oodscen._numbers import MOST, whole_number
 from oodscen.errors import UsageError
@@ -20,14 +20,14 @@ def replay(tree: "ScenarioTree") -> Iterator[tuple[TreeEdit, "ScenarioTree"]]:
         yield edit, after
 
 
-def moment(
+def version_at(
     edits: Sequence[TreeEdit],
     *,
     edit: int | None = None,
     round: int | None = None,
     stage: str | None = None,
 ) -> int:
-    """Return the number of edits made up to a moment; see `ScenarioTree.at`.
+    """Return the number of edits up to a moment; see `ScenarioTree.at`.
 
     Raises:
         UsageError: If not exactly one argument is given, or there was no such moment.
@@ -40,37 +40,37 @@ def moment(
             raise UsageError(f"there is no moment after {edit} edits: the log has {len(edits)}")
         return edit
     if stage is not None:
-        last = [index for index, item in enumerate(edits, start=1) if item.stage == stage]
-        if not last:
-            known = ", ".join(sorted({item.stage for item in edits if item.stage}))
-            raise UsageError(f"no edit is of the stage {stage!r} (there are: {known or 'none'})")
-        return last[-1]
-    return _after_round(edits, whole_number("round", round, -MOST))
+        versions = [version for version, item in enumerate(edits, start=1) if item.stage == stage]
+        if not versions:
+            stages = ", ".join(sorted({item.stage for item in edits if item.stage}))
+            raise UsageError(f"no edit is of the stage {stage!r} (there are: {stages or 'none'})")
+        return versions[-1]
+    return _version_after_round(edits, whole_number("round", round, -MOST))
 
 
 def undo(tree: "ScenarioTree", index: int | None = None) -> "ScenarioTree":
     """Undo one edit; see `ScenarioTree.undo`."""
-    edits = tree.edits
-    if index is None:
-        undone = undone_edits(edits)
-        standing = (
-            index
-            for index, edit in reversed(list(enumerate(edits)))
-            if edit.undoes is None and index not in undone and _is_effective(edit, tree.by_id)
-        )
-        index = next(standing, None)
-        if index is None:
-            raise UsageError("no edit is left to undo")
-    index = whole_number("index", index, -MOST)
-    if not -len(edits) <= index < len(edits):
-        raise UsageError(f"there is no edit {index}: the log has {len(edits)}")
-    return tree.apply(*_inverse(tree._edit_log(), index % len(edits)))
+    size = len(tree.edits)
+    index = _last_in_force(tree) if index is None else whole_number("index", index, -MOST)
+    if not -size <= index < size:
+        raise UsageError(f"there is no edit {index}: the log has {size}")
+    return tree.apply(*_inverse(tree._edit_log(), index % size))
+
+
+def _last_in_force(tree: "ScenarioTree") -> int:
+    """Return the index of the last edit that neither undoes another nor is undone itself."""
+    undone = undone_edits(tree.edits)
+    for index, edit in reversed(list(enumerate(tree.edits))):
+        if edit.undoes is None and index not in undone and _is_effective(edit, tree.by_id):
+            return index
+    raise UsageError("no edit is left to undo")
 
 
 def undo_round(tree: "ScenarioTree", round: int, *, origin: str = "") -> "ScenarioTree":
     """Undo the edits of a round that are still in force; see `ScenarioTree.undo`."""
     round = whole_number("round", round, -MOST)
-    edits, undone = tree.edits, undone_edits(tree.edits)
+    edits = tree.edits
+    undone = undone_edits(edits)
     log = tree._edit_log()
     inverses: list[TreeEdit] = []
     for index, edit in reversed(list(enumerate(edits))):
@@ -81,17 +81,21 @@ def undo_round(tree: "ScenarioTree", round: int, *, origin: str = "") -> "Scenar
             log.extend(len(log.log), steps)
             inverses += steps
     if not inverses:
+        message = f"no edit of round {round}"
+        if origin:
+            message += f" of {origin!r}"
+        message += " is left to undo"
         others = {edit.origin for edit in edits if edit.round == round and edit.origin != origin}
-        known = f" (others have one: {', '.join(sorted(map(repr, others)))})" if others else ""
-        of = f" of {origin!r}" if origin else ""
-        raise UsageError(f"no edit of round {round}{of} is left to undo{known}")
+        if others:
+            message += f" (others have one: {', '.join(sorted(map(repr, others)))})"
+        raise UsageError(message)
     return tree.apply(*inverses)
 
 
 def undone_edits(edits: Sequence[TreeEdit]) -> set[int]:
-    """Return the positions of the edits that are currently undone; an undone undo does not count.
+    """Return the indices of the edits that are currently undone; an undone undo does not count.
 
-    An edit is undone by one of its own node; those of other nodes that an undo needs refer to it, too.
+    Only an edit of the same node undoes an edit; an undo may need edits of other nodes, which refer to it as well.
     """
     undone: set[int] = set()
     for index in range(len(edits) - 1, -1, -1):
@@ -104,21 +108,24 @@ def undone_edits(edits: Sequence[TreeEdit]) -> set[int]:
 
 
 def _is_effective(edit: TreeEdit, nodes: Container[str]) -> bool:
-    """Return whether an edit can be undone in a tree with some nodes."""
+    """Return whether the effect of an edit is still there in a tree: its node, or for a removal the lack of it."""
     return (edit.node in nodes) != (edit.op == "remove")
 
 
-def _after_round(edits: Sequence[TreeEdit], round: int) -> int:
-    """Return the end of a round; a later run that restarts the numbering is not included."""
-    end = before = None
-    for index, item in enumerate(edits, start=1):
-        if item.origin:
-            return index - 1 if end is None else end
-        if item.round is None:
-            continue
-        if item.round > round or (before is not None and item.round < before):
-            return index - 1 if end is None else end
-        end, before = index, item.round
+def _version_after_round(edits: Sequence[TreeEdit], round: int) -> int:
+    """Return the number of edits up to the end of a round, but not those of a run that restarts the numbering.
+
+    If no edit is of that round or an earlier one, the edits up to the first later round or merge count.
+    """
+    end: int | None = None
+    last_round: int | None = None
+    for index, edit in enumerate(edits):
+        is_restart = last_round is not None and edit.round is not None and edit.round < last_round
+        is_later = edit.round is not None and edit.round > round
+        if edit.origin or is_restart or is_later:
+            return index if end is None else end
+        if edit.round is not None:
+            end, last_round = index + 1, edit.round
     return len(edits) if end is None else end
 
 
@@ -128,24 +135,28 @@ def _inverse(log: EditLog, index: int) -> list[TreeEdit]:
     if not _is_effective(edit, log.nodes):
         state = "is there again" if edit.op == "remove" else "is gone"
         raise UsageError(f"edit {index} cannot be undone: its node {edit.node!r} {state}")
-    why = {"stage": "undo", "reason": f"takes back edit {index} ({edit.op})", "undoes": index}
+    fields: dict[str, Any] = {
+        "stage": "undo",
+        "reason": f"takes back edit {index} ({edit.op})",
+        "undoes": index,
+    }
     if edit.op == "add":
         return [
-            TreeEdit(op="remove", node=node_id, **why)
+            TreeEdit(op="remove", node=node_id, **fields)
             for node_id in reversed(log.at_or_below(edit.node))
         ]
     if before is None or edit.op == "keep":
-        return [TreeEdit(op="keep", node=edit.node, **why)]
+        return [TreeEdit(op="keep", node=edit.node, **fields)]
     if edit.op in ("broaden", "narrow"):
-        earlier = {"label": before.label, "attested": before.attested}
-        return [TreeEdit(op="broaden", node=edit.node, **earlier, **why)]
+        fields |= {"label": before.label, "attested": before.attested}
+        return [TreeEdit(op="broaden", node=edit.node, **fields)]
     missing = _missing_parents(log, before)
     if edit.op == "remove":
         missing.insert(0, before)
-    returned = [adding(node, **why) for node in reversed(missing)]
+    edits = [adding(node, **fields) for node in reversed(missing)]
     if edit.op == "move":
-        returned.append(TreeEdit(op="move", node=edit.node, parent=before.parent, **why))
-    return returned
+        edits.append(TreeEdit(op="move", node=edit.node, parent=before.parent, **fields))
+    return edits
 
 
 def _missing_parents(log: EditLog, node: Node) -> list[Node]:
@@ -153,7 +164,7 @@ def _missing_parents(log: EditLog, node: Node) -> list[Node]:
     nodes: list[Node] = []
     seen = {node.id}
     while node.parent is not None and node.parent not in log.nodes:
-        parent = log.removed(node.parent)
+        parent = log.before_removal(node.parent)
         if parent is None or parent.id in seen:
             raise UsageError(f"{node.id!r} cannot come back: its parents lie below it")
         seen.add(parent.id)

@@ -1,9 +1,9 @@
 """Collapsible outlines of trees for notebooks and the report. Every label is escaped."""
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from html import escape
-from itertools import accumulate
 from typing import TYPE_CHECKING, Literal
 
 from oodscen._text import printable
@@ -15,7 +15,11 @@ if TYPE_CHECKING:
 
 MAX_SHOWN = 3_000
 """Largest number of nodes that a notebook shows; deeper levels are left out as a whole."""
-
+_OPEN_DEPTH = 2
+"""Branches above this depth are open at first."""
+_LONGEST_TITLE = 300
+"""Length of the longest tooltip, in characters."""
+_MARKS = {"kept": "✓", "dropped": "✕", "failed": "!"}
 
 Fate = Literal["", "kept", "dropped", "failed"]
 
@@ -36,11 +40,6 @@ class Remark:
     """Tooltip of the label."""
 
 
-_OPEN_DEPTH = 2
-"""Branches above this depth are open at first."""
-_MARKS = {"kept": "✓", "dropped": "✕", "failed": "!"}
-
-
 def tree_html(
     tree: "ScenarioTree",
     remarks: Mapping[str, Remark] | None = None,
@@ -54,8 +53,8 @@ def tree_html(
         remarks: Remarks by node id.
         max_depth: Deeper nodes are left out.
     """
-    known = remarks or {}
-    paths = _paths_below(tree)
+    remarks = remarks or {}
+    path_counts = _path_counts(tree)
     parts = ['<ul class="outline">']
     nesting: list[int] = []
     for node, depth in tree.walk():
@@ -64,13 +63,13 @@ def tree_html(
         while nesting and nesting[-1] >= depth:
             nesting.pop()
             parts.append("</ul></details></li>")
-        remark = known.get(node.id, _NOTHING)
-        if tree.children[node.id] and depth != max_depth:
+        remark = remarks.get(node.id, Remark())
+        is_branch = bool(tree.children[node.id])
+        if is_branch and depth != max_depth:
             nesting.append(depth)
-            parts.append(_branch(node, remark, paths[node.id], is_open=depth < _OPEN_DEPTH))
+            parts.append(_branch(node, remark, path_counts[node.id], is_open=depth < _OPEN_DEPTH))
         else:
-            count = paths[node.id] if tree.children[node.id] else 0
-            parts.append(_item(node, remark, count))
+            parts.append(_item(node, remark, path_counts[node.id] if is_branch else 0))
     parts += ["</ul></details></li>"] * len(nesting)
     return "\n".join([*parts, "</ul>"])
 
@@ -87,20 +86,16 @@ def to_page(tree: "ScenarioTree") -> str:
     )
 
 
-def notebook_html(tree: "ScenarioTree", most: int = MAX_SHOWN) -> str:
-    """Return an outline of at most `most` nodes, with a line of totals and a style that suits any notebook theme."""
-    levels: dict[int, int] = {}
-    for _, depth in tree.walk():
-        levels[depth] = levels.get(depth, 0) + 1
-    shown = [
-        depth
-        for depth, total in enumerate(accumulate(levels[depth] for depth in sorted(levels)))
-        if total <= most
-    ]
-    deepest = max(levels, default=0)
-    max_depth = shown[-1] if shown else 0
-    hidden = sum(count for depth, count in levels.items() if depth > max_depth)
-    head = f"{_counted(len(tree), 'node')}, {_counted(len(tree.leaves), 'path')}, depth {deepest:,}"
+def notebook_html(tree: "ScenarioTree", max_nodes: int = MAX_SHOWN) -> str:
+    """Return an outline of a limited number of nodes, with a line of totals and a style that suits any notebook theme."""
+    level_sizes = Counter(depth for _, depth in tree.walk())
+    max_depth = 0
+    shown = level_sizes[0]
+    while level_sizes[max_depth + 1] and shown + level_sizes[max_depth + 1] <= max_nodes:
+        max_depth += 1
+        shown += level_sizes[max_depth]
+    hidden = len(tree) - shown
+    head = f"{_counted(len(tree), 'node')}, {_counted(len(tree.leaves), 'path')}, depth {tree.depth:,}"
     if hidden:
         are = "is" if hidden == 1 else "are"
         head += f"; {_counted(hidden, 'node')} below depth {max_depth} {are} not shown"
@@ -112,8 +107,6 @@ def notebook_html(tree: "ScenarioTree", most: int = MAX_SHOWN) -> str:
     outline = tree_html(tree, remarks, max_depth=max_depth if hidden else None)
     return f'<div class="oodscen-tree"><style>{_STYLE}</style>\n<p>{head}</p>\n{outline}\n</div>'
 
-
-_NOTHING = Remark()
 
 # Only the text's own colour, so that the outline suits every notebook theme.
 _STYLE = """
@@ -131,26 +124,30 @@ _STYLE = """
 """
 
 
-def _branch(node: Node, remark: Remark, paths: int, *, is_open: bool) -> str:
-    count = f'<span class="aside">{_counted(paths, "path")}</span>'
+def _branch(node: Node, remark: Remark, path_count: int, *, is_open: bool) -> str:
     return (
         f"<li><details{' open' if is_open else ''}><summary>{_mark(remark)}{_label(node, remark)}"
-        f" {count}{_origin(remark)}</summary>\n<ul>"
+        f" {_paths(path_count)}{_origin(remark)}</summary>\n<ul>"
     )
 
 
-def _item(node: Node, remark: Remark, paths: int) -> str:
-    parts = [f'<li class="leaf{f" is-{remark.fate}" if remark.fate else ""}">', _mark(remark)]
-    parts.append(_label(node, remark))
-    if node.attested and not paths:
+def _item(node: Node, remark: Remark, path_count: int) -> str:
+    """Return a leaf, or with a number of paths a branch whose nodes are left out."""
+    fate = f" is-{remark.fate}" if remark.fate else ""
+    parts = [f'<li class="leaf{fate}">', _mark(remark), _label(node, remark)]
+    if path_count:
+        parts.append(f" {_paths(path_count)}")
+    elif node.attested:
         parts.append(' <span class="badge paper">paper</span>')
-    if paths:
-        parts.append(f' <span class="aside">{_counted(paths, "path")}</span>')
     parts.append(_origin(remark))
     for heading, text in remark.lines:
         bold = f"<b>{escape(heading)}</b> " if heading else ""
         parts.append(f"\n<small>{bold}<bdi>{escape(text)}</bdi></small>")
     return "".join([*parts, "</li>"])
+
+
+def _paths(count: int) -> str:
+    return f'<span class="aside">{_counted(count, "path")}</span>'
 
 
 def _counted(count: int, noun: str) -> str:
@@ -164,9 +161,9 @@ def _label(node: Node, remark: Remark) -> str:
 
 
 def _mark(remark: Remark) -> str:
-    if not remark.fate:
-        return ""
     fate = remark.fate
+    if not fate:
+        return ""
     return (
         f'<span class="fate is-{fate}" title="{fate}">{_MARKS[fate]}<span class="sr"> {fate}'
         "</span></span> "
@@ -179,24 +176,28 @@ def _origin(remark: Remark) -> str:
     return f'<span class="origin"> · <bdi>{escape(remark.origin)}</bdi></span>'
 
 
-def _paths_below(tree: "ScenarioTree") -> dict[str, int]:
+def _path_counts(tree: "ScenarioTree") -> dict[str, int]:
     """Count the paths that end at or below each node."""
-    found: dict[str, int] = {}
+    counts: dict[str, int] = {}
     for node, depth in reversed(list(tree.walk())):
-        below = tree.children[node.id]
-        found[node.id] = sum(found[child] for child in below) if below else int(depth >= 2)
-    return found
+        if children := tree.children[node.id]:
+            counts[node.id] = sum(counts[child] for child in children)
+        else:
+            counts[node.id] = int(depth >= 2)
+    return counts
 
 
 def _last_reasons(tree: "ScenarioTree") -> dict[str, str]:
     """Return the latest decision on each node and its reason."""
     last: dict[str, TreeEdit] = {edit.node: edit for edit in tree.edits}
-    return {name: _reason(edit) for name, edit in last.items()}
+    return {node_id: _reason(edit) for node_id, edit in last.items()}
 
 
 def _reason(edit: TreeEdit) -> str:
     parts = [edit.stage, "" if edit.round is None else f"round {edit.round}", edit.model]
-    who = ", ".join(filter(None, parts))
-    text = f"{edit.op} ({who})" if who else edit.op
-    text = printable(f"{text}: {edit.reason}" if edit.reason else text)
-    return text if len(text) <= 300 else f"{text[:297]}..."
+    author = ", ".join(filter(None, parts))
+    text = f"{edit.op} ({author})" if author else edit.op
+    if edit.reason:
+        text += f": {edit.reason}"
+    text = printable(text)
+    return text if len(text) <= _LONGEST_TITLE else f"{text[: _LONGEST_TITLE - 3]}..."

@@ -2,7 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import count, takewhile
+from itertools import takewhile
 from numbers import Real
 from typing import TYPE_CHECKING, Literal
 
@@ -23,9 +23,11 @@ THRESHOLD = 0.75
 """Centred cosine (`oodscen.encoders._centring`) from which two labels mean the same, for
 MiniLM. Measured so that hardly any pair is wrong: an unpaired node stays, a wrongly paired one
 is lost."""
-
-
+By = Literal["id", "label", "meaning"]
+"""Criteria by which nodes pair."""
+_CLASS_KEYS = tuple(name.casefold() for name in CLASSES)
 _BLOCK = 1024
+"""Number of rows and columns of cosines that are computed at once."""
 
 
 class Match(Data):
@@ -35,14 +37,14 @@ class Match(Data):
     """Id in the first tree."""
     after: str
     """Id in the second tree."""
-    by: Literal["id", "label", "meaning"]
+    by: By
     similarity: float | None = None
     """Centred cosine of the meanings, if the pair was made by meaning."""
 
 
 def match(
-    one: "ScenarioTree",
-    other: "ScenarioTree",
+    first: "ScenarioTree",
+    second: "ScenarioTree",
     *,
     encoder: Encoder | None = None,
     threshold: float = THRESHOLD,
@@ -50,8 +52,9 @@ def match(
     """Pair the nodes of two trees, each at most once, in the order of the first tree.
 
     The roots are a pair, and so are nodes that existed before the trees diverged. Pairs of an
-    earlier merge are kept. Ids pair if both trees first assigned them to the same label, since trees that were grown separately number their ids separately; a
-    tree read from a file without a log is trusted. Labels pair regardless of case, spaces and
+    earlier merge are kept. Ids pair if both trees first assigned them to the same label, since trees
+    that were grown separately number their ids separately; a tree read from a file without a log is
+    trusted. Labels pair regardless of case, spaces and
     invisible characters; children of paired parents come first. The remaining nodes pair by
     meaning: leaf with leaf and branch with branch, if each is the other's nearest and the centred
     cosine reaches the threshold. The meaning of a leaf is its label; the meaning of a branch is
@@ -64,8 +67,8 @@ def match(
     compared, in blocks of at most 4 MB.
 
     Args:
-        one: The first tree.
-        other: The second tree.
+        first: The first tree.
+        second: The second tree.
         encoder: Compares meanings; without it, nodes never pair by meaning.
         threshold: Between -1 and 1.
 
@@ -75,157 +78,186 @@ def match(
     """
     if not (isinstance(threshold, Real) and -1.0 <= threshold <= 1.0):
         raise UsageError(f"the threshold is a cosine, between -1 and 1, not {threshold}")
-    pairs = _Pairs(_classes(one), _classes(other))
-    for first, second in zip(one.nodes[:1], other.nodes[:1], strict=False):
-        pairs.add(first.id, second.id, "id" if first.id == second.id else "label")
-    _by_shared_log(one, other, pairs)
-    for here, there in _merged(one, other):
-        pairs.add(here, there, "id")
-    for there, here in _merged(other, one):
-        pairs.add(here, there, "id")
-    _by_id(one, other, pairs)
-    _by_label(one, other, pairs)
+    pairs = _Pairs(_classes(first), _classes(second))
+    if first.nodes and second.nodes:
+        roots = first.nodes[0].id, second.nodes[0].id
+        pairs.add(*roots, "id" if roots[0] == roots[1] else "label")
+    _pair_by_shared_log(first, second, pairs)
+    for before, after in _merged(first, second):
+        pairs.add(before, after, "id")
+    for after, before in _merged(second, first):
+        pairs.add(before, after, "id")
+    _pair_by_id(first, second, pairs)
+    _pair_below_pairs(first, second, pairs)
+    _pair_by_label(first, second, pairs)
     if encoder is not None:
-        _by_meaning(one, other, pairs, encoder, threshold)
-    return tuple(pairs.forth[node.id] for node in one.nodes if node.id in pairs.forth)
+        _pair_by_meaning(first, second, pairs, encoder, threshold)
+    return tuple(pairs.by_first[node.id] for node in first.nodes if node.id in pairs.by_first)
 
 
 class _Pairs:
-    def __init__(self, one: Mapping[str, str], other: Mapping[str, str]) -> None:
-        self.forth: dict[str, Match] = {}
-        self.back: dict[str, Match] = {}
-        self.one, self.other = one, other
-        """Class of each node, by id."""
+    """The pairs found so far, by the id in either tree."""
+
+    def __init__(self, first_classes: Mapping[str, str], second_classes: Mapping[str, str]) -> None:
+        self.by_first: dict[str, Match] = {}
+        self.by_second: dict[str, Match] = {}
+        self.first_classes = first_classes
+        """Class of each node of the first tree, by id; empty if it is in neither."""
+        self.second_classes = second_classes
 
     def add(
         self,
         before: str,
         after: str,
-        by: Literal["id", "label", "meaning"],
+        by: By,
         similarity: float | None = None,
         *,
         is_moved: bool = False,
     ) -> None:
-        """Pair two nodes if neither is paired yet and both are of the same class."""
-        classes = {self.one[before], self.other[after]} - {""}
-        if before in self.forth or after in self.back or (len(classes) > 1 and not is_moved):
+        """Pair two nodes, unless one is paired already or, if they have not moved, their classes differ."""
+        classes = {self.first_classes[before], self.second_classes[after]} - {""}
+        if (
+            before in self.by_first
+            or after in self.by_second
+            or (len(classes) > 1 and not is_moved)
+        ):
             return
-        found = Match(before=before, after=after, by=by, similarity=similarity)
-        self.forth[before] = self.back[after] = found
+        pair = Match(before=before, after=after, by=by, similarity=similarity)
+        self.by_first[before] = self.by_second[after] = pair
 
 
 def _classes(tree: "ScenarioTree") -> dict[str, str]:
     """Return the class of every node in lower case; empty if it is neither of the two classes."""
-    known = {name.casefold() for name in CLASSES}
-    found: dict[str, str] = {}
+    classes: dict[str, str] = {}
     for node in tree.nodes:
-        above = tree.by_id[node.parent] if node.parent is not None else None
-        if above is None:
-            found[node.id] = ""
-        elif above.parent is None:
-            names = (same_words(node.label), node.id)
-            found[node.id] = next((name for name in names if name in known), "")
+        parent = tree.by_id[node.parent] if node.parent is not None else None
+        if parent is None:
+            classes[node.id] = ""
+        elif parent.parent is None:
+            keys = (same_words(node.label), node.id)
+            classes[node.id] = next((key for key in keys if key in _CLASS_KEYS), "")
         else:
-            found[node.id] = found[above.id]
-    return found
+            classes[node.id] = classes[parent.id]
+    return classes
 
 
 def _merged(tree: "ScenarioTree", other: "ScenarioTree") -> Iterator[tuple[str, str]]:
     """Yield pairs of node ids that an earlier merge of the other tree treated as one."""
     for edit in tree.edits:
         if edit.stage == "merge" and edit.origin_node in other.by_id and edit.node in tree.by_id:
-            there = other.by_id[edit.origin_node]
-            is_same = same_words(edit.label or "") == same_words(there.label)
-            if is_same and bool(tree.children[edit.node]) == bool(other.children[there.id]):
-                yield edit.node, there.id
+            origin = other.by_id[edit.origin_node]
+            has_same_label = same_words(edit.label or "") == same_words(origin.label)
+            if has_same_label and _is_leaf(tree, edit.node) == _is_leaf(other, origin.id):
+                yield edit.node, origin.id
 
 
-def _by_shared_log(one: "ScenarioTree", other: "ScenarioTree", pairs: _Pairs) -> None:
+def _is_leaf(tree: "ScenarioTree", node_id: str) -> bool:
+    return not tree.children[node_id]
+
+
+def _pair_by_shared_log(first: "ScenarioTree", second: "ScenarioTree", pairs: _Pairs) -> None:
     """Pair the nodes that existed before the trees diverged, whatever became of their labels."""
-    shared = _shared(one, other)
-    for node in one.nodes:
-        if node.id in shared and node.id in other.by_id:
+    both = zip(first.edits, second.edits, strict=False)
+    shared = {
+        edit.node
+        for edit, _ in takewhile(lambda edits: edits[0] == edits[1], both)
+        if edit.op == "add"
+    }
+    for node in first.nodes:
+        if node.id in shared and node.id in second.by_id:
             pairs.add(node.id, node.id, "id", is_moved=True)
 
 
-def _by_id(one: "ScenarioTree", other: "ScenarioTree", pairs: _Pairs) -> None:
-    first, second = _first_adds(one), _first_adds(other)
-    for node in one.nodes:
-        if node.id in other.by_id:
-            added = first[node.id], second[node.id]
-            labels = {same_words(edit.label or "") for edit in added if edit.stage != "file"}
-            if len(labels) < 2:
-                pairs.add(node.id, node.id, "id")
+def _pair_by_id(first: "ScenarioTree", second: "ScenarioTree", pairs: _Pairs) -> None:
+    """Pair nodes of one id if both trees added it with the same label, or read it from a file without a log."""
+    adds = _first_adds(first), _first_adds(second)
+    for node in first.nodes:
+        if node.id not in second.by_id:
+            continue
+        both = [added[node.id] for added in adds]
+        labels = {same_words(edit.label or "") for edit in both if edit.stage != "file"}
+        if len(labels) < 2:
+            pairs.add(node.id, node.id, "id")
 
 
 def _first_adds(tree: "ScenarioTree") -> Mapping[str, TreeEdit]:
-    found: dict[str, TreeEdit] = {}
+    """Return the edit that first added each node, by id."""
+    adds: dict[str, TreeEdit] = {}
     for edit in tree.edits:
         if edit.op == "add":
-            found.setdefault(edit.node, edit)
-    return found
+            adds.setdefault(edit.node, edit)
+    return adds
 
 
-def _shared(one: "ScenarioTree", other: "ScenarioTree") -> set[str]:
-    """Return the ids of the nodes that existed before two trees diverged."""
-    both = takewhile(lambda pair: pair[0] == pair[1], zip(one.edits, other.edits, strict=False))
-    return {edit.node for edit, _ in both if edit.op == "add"}
+def _pair_below_pairs(first: "ScenarioTree", second: "ScenarioTree", pairs: _Pairs) -> None:
+    """Pair children of paired parents that have the same label."""
+    children: dict[tuple[str, str | None], list[str]] = defaultdict(list)
+    for node in reversed(second.nodes):
+        if node.id not in pairs.by_second:
+            children[same_words(node.label), node.parent].append(node.id)
+    for node in first.nodes:
+        parent = pairs.by_first.get(node.parent or "")
+        if parent is not None and node.id not in pairs.by_first:
+            _pair_with_first(node, children[same_words(node.label), parent.after], pairs)
 
 
-def _by_label(one: "ScenarioTree", other: "ScenarioTree", pairs: _Pairs) -> None:
-    below: dict[tuple[str, str | None], list[Node]] = defaultdict(list)
-    anywhere: dict[tuple[str, str], list[Node]] = defaultdict(list)
-    for node in reversed(other.nodes):
-        if node.id not in pairs.back:
-            words = same_words(node.label)
-            below[words, node.parent].append(node)
-            anywhere[words, pairs.other[node.id]].append(node)
-    for is_strict in (True, False):
-        for node in one.nodes:
-            if node.id in pairs.forth:
-                continue
-            words = same_words(node.label)
-            parent = pairs.forth.get(node.parent or "")
-            if is_strict:
-                choices = [below.get((words, parent.after), [])] if parent else []
-            else:
-                own = pairs.one[node.id]
-                names = (own, "") if own else ("", *(name.casefold() for name in CLASSES))
-                choices = [anywhere.get((words, name), []) for name in names]
-            for candidates in choices:
-                while candidates and candidates[-1].id in pairs.back:
-                    candidates.pop()
-                if candidates and node.id not in pairs.forth:
-                    pairs.add(node.id, candidates[-1].id, "label")
+def _pair_by_label(first: "ScenarioTree", second: "ScenarioTree", pairs: _Pairs) -> None:
+    """Pair nodes that have the same label, those of the same class first."""
+    candidates: dict[tuple[str, str], list[str]] = defaultdict(list)
+    for node in reversed(second.nodes):
+        if node.id not in pairs.by_second:
+            key = same_words(node.label), pairs.second_classes[node.id]
+            candidates[key].append(node.id)
+    for node in first.nodes:
+        class_key = pairs.first_classes[node.id]
+        for key in (class_key, "") if class_key else ("", *_CLASS_KEYS):
+            if node.id not in pairs.by_first:
+                _pair_with_first(node, candidates[same_words(node.label), key], pairs)
 
 
-def _by_meaning(
-    one: "ScenarioTree", other: "ScenarioTree", pairs: _Pairs, encoder: Encoder, threshold: float
+def _pair_with_first(node: Node, candidates: list[str], pairs: _Pairs) -> None:
+    """Pair a node with the first free candidate, which stands last."""
+    while candidates and candidates[-1] in pairs.by_second:
+        candidates.pop()
+    if candidates:
+        pairs.add(node.id, candidates[-1], "label")
+
+
+def _pair_by_meaning(
+    first: "ScenarioTree",
+    second: "ScenarioTree",
+    pairs: _Pairs,
+    encoder: Encoder,
+    threshold: float,
 ) -> None:
+    """Pair leaves with leaves and branches with branches of one class that are nearest to each other."""
     meanings: dict[str, Vectors] | None = None
-    for is_leaf in (True, False):
-        for name in ("", *(name.casefold() for name in CLASSES)):
-            rows, columns = (
-                [
-                    node
-                    for node in tree.nodes
-                    if node.id not in paired
-                    and classes[node.id] == name
-                    and (not tree.children[node.id]) == is_leaf
-                ]
-                for tree, paired, classes in (
-                    (one, pairs.forth, pairs.one),
-                    (other, pairs.back, pairs.other),
-                )
-            )
+    for are_leaves in (True, False):
+        for class_key in ("", *_CLASS_KEYS):
+            rows = [
+                node
+                for node in first.nodes
+                if node.id not in pairs.by_first
+                and pairs.first_classes[node.id] == class_key
+                and _is_leaf(first, node.id) == are_leaves
+            ]
+            columns = [
+                node
+                for node in second.nodes
+                if node.id not in pairs.by_second
+                and pairs.second_classes[node.id] == class_key
+                and _is_leaf(second, node.id) == are_leaves
+            ]
             if not rows or not columns:
                 continue
-            meanings = meanings or _meanings((one, other), encoder)
-            left = _vectors(one, rows, meanings), _vectors(other, columns, meanings)
-            forth, back = _nearest(*left), _nearest(left[1], left[0])
-            for node, index, (cosine, there) in zip(rows, count(), forth, strict=False):
-                if cosine >= threshold and back[there][1] == index:
-                    pairs.add(node.id, columns[there].id, "meaning", cosine)
+            if meanings is None:
+                meanings = _meanings((first, second), encoder)
+            row_vectors = _vectors(first, rows, meanings)
+            column_vectors = _vectors(second, columns, meanings)
+            nearest_rows = _nearest(column_vectors, row_vectors)
+            for index, (cosine, nearest) in enumerate(_nearest(row_vectors, column_vectors)):
+                if cosine >= threshold and nearest_rows[nearest][1] == index:
+                    pairs.add(rows[index].id, columns[nearest].id, "meaning", cosine)
 
 
 def _meanings(trees: "Iterable[ScenarioTree]", encoder: Encoder) -> dict[str, Vectors]:
@@ -238,34 +270,35 @@ def _meanings(trees: "Iterable[ScenarioTree]", encoder: Encoder) -> dict[str, Ve
 def _vectors(
     tree: "ScenarioTree", nodes: Sequence[Node], meanings: Mapping[str, Vectors]
 ) -> Vectors:
-    """Return the vectors of nodes: a leaf has its label's; a branch has half its label's and half its leaves'."""
-    own = np.array([meanings[node.label] for node in nodes])
-    if not tree.children[nodes[0].id]:
-        return own
-    below: dict[str, Vectors] = {}
+    """Return the vectors of leaves, those of their labels, or of branches, half of the label and half of the leaves."""
+    of_labels = np.array([meanings[node.label] for node in nodes])
+    if _is_leaf(tree, nodes[0].id):
+        return of_labels
+    of_leaves: dict[str, Vectors] = {}
     for node in reversed(tree.nodes):
-        children = tree.children[node.id]
-        below[node.id] = (
-            np.sum([below[child] for child in children], axis=0)
-            if children
-            else meanings[node.label]
-        )
-    return unit(own + unit(np.array([below[node.id] for node in nodes])))
+        if children := tree.children[node.id]:
+            of_leaves[node.id] = np.sum([of_leaves[child] for child in children], axis=0)
+        else:
+            of_leaves[node.id] = meanings[node.label]
+    return unit(of_labels + unit(np.array([of_leaves[node.id] for node in nodes])))
 
 
 def _nearest(rows: Vectors, columns: Vectors) -> list[tuple[float, int]]:
     """Return the nearest column of each row, with similarities rounded so that numerical noise decides nothing."""
-    found = []
+    nearest: list[tuple[float, int]] = []
     for start in range(0, len(rows), _BLOCK):
         block = rows[start : start + _BLOCK]
         best = np.full(len(block), -np.inf, np.float32)
-        place = np.zeros(len(block), np.int64)
+        index = np.zeros(len(block), np.int64)
         for offset in range(0, len(columns), _BLOCK):
             cosines = np.round(block @ columns[offset : offset + _BLOCK].T, 4)
-            here = cosines.argmax(axis=1)
-            values = cosines[np.arange(len(block)), here]
+            best_here = cosines.argmax(axis=1)
+            values = cosines[np.arange(len(block)), best_here]
             is_better = values > best
             best[is_better] = values[is_better]
-            place[is_better] = here[is_better] + offset
-        found += [(round(float(b), 4), int(p)) for b, p in zip(best, place, strict=True)]
-    return found
+            index[is_better] = best_here[is_better] + offset
+        nearest += [
+            (round(float(cosine), 4), int(column))
+            for cosine, column in zip(best, index, strict=True)
+        ]
+    return nearest

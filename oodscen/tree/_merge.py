@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
 
 def merge(
-    one: "ScenarioTree",
-    other: "ScenarioTree",
+    first: "ScenarioTree",
+    second: "ScenarioTree",
     *,
     encoder: Encoder | None = None,
     threshold: float = THRESHOLD,
@@ -34,16 +34,18 @@ def merge(
     gets a leaf with that label. Merging the second tree again changes nothing. The result depends
     on the arguments alone.
     """
-    paired = {pair.after: pair for pair in match(one, other, encoder=encoder, threshold=threshold)}
-    decisions = _decisions(other)
-    leaves = {leaf.id for leaf in other.leaves}
-    merging = _Merging(one, name or _free_name(one))
-    for node in other.nodes:
-        merging.take(node, paired.get(node.id), decisions[node.id], is_path=node.id in leaves)
+    pairs = match(first, second, encoder=encoder, threshold=threshold)
+    by_second = {pair.after: pair for pair in pairs}
+    decisions = _decisions(second)
+    leaves = {leaf.id for leaf in second.leaves}
+    merging = _Merging(first, name or _free_name(first))
+    for node in second.nodes:
+        merging.add(node, by_second.get(node.id), decisions[node.id], is_path=node.id in leaves)
     return merging.tree
 
 
 def _free_name(tree: "ScenarioTree") -> str:
+    """Return `merge-1`, `merge-2` or the next name that no edit has as its origin."""
     taken = {edit.origin.partition("/")[0] for edit in tree.edits}
     number = 1
     while f"merge-{number}" in taken:
@@ -52,113 +54,125 @@ def _free_name(tree: "ScenarioTree") -> str:
 
 
 class _Merging:
-    def __init__(self, one: "ScenarioTree", name: str) -> None:
-        self.tree = one
+    """A merge in progress: the first tree, with the nodes of the second one that were added so far."""
+
+    def __init__(self, first: "ScenarioTree", name: str) -> None:
+        self.tree = first
         self._name = name
         self._ids: dict[str, str] = {}
         """Ids in the merge, by id in the second tree."""
-        self._nodes = dict(one.by_id)
-        self._below: dict[str, dict[str, str]] = {}
-        """Children by their words, for each parent."""
-        for node in one.nodes:
-            self._hang(node)
-        self._paths = {leaf.id for leaf in one.leaves}
+        self._nodes = dict(first.by_id)
+        self._children: dict[str, dict[str, str]] = {}
+        """Ids of the children by the words of their labels, for each parent."""
+        for node in first.nodes:
+            self._index(node)
+        self._path_ends = {leaf.id for leaf in first.leaves}
         """Nodes that stand for a path, so a leaf must remain when they get children."""
-        self._own = set(one.edits)
-        self._told = {(edit.node, edit.origin_node, *_why(edit)) for edit in one.edits}
+        self._first_edits = set(first.edits)
+        self._records = {(edit.node, edit.origin_node, *_grounds(edit)) for edit in first.edits}
 
-    def take(self, node: Node, pair: Match | None, log: list[TreeEdit], *, is_path: bool) -> None:
-        """Find a node of the second tree in the merge, or add it."""
+    def add(self, node: Node, pair: Match | None, log: list[TreeEdit], *, is_path: bool) -> None:
+        """Add a node of the second tree, or record it at the node that stands for it."""
         parent = self._ids[node.parent] if node.parent is not None else None
-        here = pair.before if pair is not None else self._sibling(parent, node)
-        if here is not None and is_path:
-            # A path ends at a leaf: descend through families with the same label.
-            while here is not None and here not in self._paths and here in self._below:
-                parent, here, pair = here, self._sibling(here, node), None
-        if here is None:
-            here = self._add(node, parent, log)
-        elif not self._is_told(here, node, log[-1]):
-            self.tree = self.tree.apply(_kept(node, here, pair, log[-1], self._name))
-        self._ids[node.id] = here
+        merged = pair.before if pair is not None else self._child_like(node, parent)
         if is_path:
-            self._paths.add(here)
+            # A path ends at a leaf: descend through families with the same label.
+            while merged is not None and merged not in self._path_ends and merged in self._children:
+                parent, merged, pair = merged, self._child_like(node, merged), None
+        if merged is None:
+            merged = self._add_new(node, parent, log)
+        elif not self._is_recorded(merged, node, log[-1]):
+            self.tree = self.tree.apply(_keep_edit(node, merged, pair, log[-1], self._name))
+        self._ids[node.id] = merged
+        if is_path:
+            self._path_ends.add(merged)
 
-    def _add(self, node: Node, parent: str | None, log: list[TreeEdit]) -> str:
-        if parent in self._paths:
-            self._paths.discard(parent)
-            if same_words(self._nodes[parent].label) == same_words(node.label):
-                here = self._append(node, parent, log)
-                self._paths.add(here)
-                return here
-            self._keep_path(self._nodes[parent])
+    def _add_new(self, node: Node, parent: str | None, log: list[TreeEdit]) -> str:
+        """Add a node; if its parent ended a path, a leaf below it goes on to do so: this one, or another."""
+        if parent not in self._path_ends:
+            return self._append(node, parent, log)
+        self._path_ends.discard(parent)
+        if same_words(self._nodes[parent].label) == same_words(node.label):
+            new_id = self._append(node, parent, log)
+            self._path_ends.add(new_id)
+            return new_id
+        self._keep_path(self._nodes[parent])
         return self._append(node, parent, log)
 
     def _append(self, node: Node, parent: str | None, log: list[TreeEdit]) -> str:
-        here = self.tree.new_id(log[0].label or node.label)
-        self._put(_added(node, here, parent, log, self._name))
-        return here
+        new_id = self.tree.new_id(log[0].label or node.label)
+        self._apply(_edits_of_new_node(node, new_id, parent, log, self._name))
+        return new_id
 
     def _keep_path(self, family: Node) -> None:
         """Add a leaf below a former leaf that has become a family."""
-        here = self.tree.new_id(family.label)
-        leaf = family.model_copy(update={"id": here, "parent": family.id})
-        why = "a kind of its own, which is a family in the other tree"
-        self._put([adding(leaf, stage="merge", reason=why, origin=self._name)])
-        self._paths.add(here)
+        new_id = self.tree.new_id(family.label)
+        leaf = family.model_copy(update={"id": new_id, "parent": family.id})
+        reason = "a kind of its own, which is a family in the other tree"
+        self._apply([adding(leaf, stage="merge", reason=reason, origin=self._name)])
+        self._path_ends.add(new_id)
 
-    def _put(self, edits: list[TreeEdit]) -> None:
+    def _apply(self, edits: list[TreeEdit]) -> None:
+        """Apply the edits of a new node."""
         self.tree = self.tree.apply(*edits)
         # The last edit is the addition itself, or a `keep` with the final label.
-        self._hang(added(edits[0]).model_copy(update={"label": edits[-1].label}))
+        self._index(added(edits[0]).model_copy(update={"label": edits[-1].label}))
 
-    def _hang(self, node: Node) -> None:
+    def _index(self, node: Node) -> None:
         self._nodes[node.id] = node
         if node.parent is not None:
-            self._below.setdefault(node.parent, {}).setdefault(same_words(node.label), node.id)
+            self._children.setdefault(node.parent, {}).setdefault(same_words(node.label), node.id)
 
-    def _sibling(self, parent: str | None, node: Node) -> str | None:
-        return self._below.get(parent or "", {}).get(same_words(node.label))
+    def _child_like(self, node: Node, parent: str | None) -> str | None:
+        """Return the child of a parent that has the same words as a node."""
+        return self._children.get(parent or "", {}).get(same_words(node.label))
 
-    def _is_told(self, here: str, node: Node, last: TreeEdit) -> bool:
+    def _is_recorded(self, merged: str, node: Node, last: TreeEdit) -> bool:
         """Return whether the log already records, for a node or a family of its label, who gave the label, and why."""
-        if last.node == here and last in self._own:
+        if last.node == merged and last in self._first_edits:
             return True
-        place: str | None = here
-        while place is not None and same_words(self._nodes[place].label) == same_words(node.label):
-            if (place, node.id, *_why(last)) in self._told:
+        if (merged, node.id, *_grounds(last)) in self._records:
+            return True
+        family: str | None = merged
+        while family is not None and same_words(self._nodes[family].label) == same_words(
+            node.label
+        ):
+            if (family, node.id, *_grounds(last)) in self._records:
                 return True
-            place = self._nodes[place].parent
-        return (here, node.id, *_why(last)) in self._told
+            family = self._nodes[family].parent
+        return False
 
 
-def _why(edit: TreeEdit) -> tuple[int | None, str, str, str]:
+def _grounds(edit: TreeEdit) -> tuple[int | None, str, str, str]:
+    """Return what led to an edit."""
     return edit.round, edit.source, edit.model, edit.prompt
 
 
 def _decisions(tree: "ScenarioTree") -> dict[str, list[TreeEdit]]:
     """Return, per node, the edit that added it and the later edits in force that relabelled or confirmed it."""
     undone = undone_edits(tree.edits)
-    found: dict[str, list[TreeEdit]] = {}
+    decisions: dict[str, list[TreeEdit]] = {}
     for index, edit in enumerate(tree.edits):
-        if edit.op == "add" and (edit.undoes is None or edit.node not in found):
-            found[edit.node] = [edit]
-        elif (
-            edit.op in ("broaden", "narrow", "keep") and edit.undoes is None and index not in undone
-        ):
-            found[edit.node].append(edit)
-    return found
+        is_in_force = edit.undoes is None and index not in undone
+        if edit.op == "add" and (edit.undoes is None or edit.node not in decisions):
+            decisions[edit.node] = [edit]
+        elif edit.op in ("broaden", "narrow", "keep") and is_in_force:
+            decisions[edit.node].append(edit)
+    return decisions
 
 
-def _kept(node: Node, here: str, pair: Match | None, last: TreeEdit, name: str) -> TreeEdit:
-    sure = f", similarity {pair.similarity:.2f}" if pair and pair.similarity is not None else ""
-    by = pair.by if pair else "label"
+def _keep_edit(node: Node, merged: str, pair: Match | None, last: TreeEdit, name: str) -> TreeEdit:
+    """Return the edit that records at a node of the merge that the second tree has it as well."""
+    criterion = pair.by if pair is not None else "label"
+    if pair is not None and pair.similarity is not None:
+        criterion += f", similarity {pair.similarity:.2f}"
     return TreeEdit(
         op="keep",
-        node=here,
+        node=merged,
         label=node.label,
         stage="merge",
         round=last.round,
-        reason=f"the other tree has it as “{node.label}” (same {by}{sure})",
+        reason=f"the other tree has it as “{node.label}” (same {criterion})",
         source=last.source,
         model=last.model,
         prompt=last.prompt,
@@ -172,13 +186,14 @@ def _origin(name: str, edit: TreeEdit) -> str:
     return f"{name}/{edit.origin}" if edit.origin else name
 
 
-def _added(
-    node: Node, here: str, parent: str | None, log: list[TreeEdit], name: str
+def _edits_of_new_node(
+    node: Node, new_id: str, parent: str | None, log: list[TreeEdit], name: str
 ) -> list[TreeEdit]:
+    """Return the edits that add a node of the second tree to the merge and repeat the decisions about it."""
     edits = [
         edit.model_copy(
             update={
-                "node": here,
+                "node": new_id,
                 "parent": parent if edit.op == "add" else None,
                 "attested": node.attested and edit.attested,
                 "undoes": None,
@@ -188,11 +203,11 @@ def _added(
         )
         for edit in log
     ]
-    told = {"node": here, "label": node.label, "stage": "merge", "origin": name}
-    told["origin_node"] = node.id
+    fields = {"node": new_id, "label": node.label, "stage": "merge", "origin": name}
+    fields["origin_node"] = node.id
     labels = [edit.label for edit in edits if edit.op != "keep"]
     if labels[-1] != node.label or node.attested not in {edit.attested for edit in edits}:
-        why = "its label in the other tree"
-        edits.append(TreeEdit(op="broaden", attested=node.attested, reason=why, **told))
-    why = f"merged in from another tree, where its id was {node.id}"
-    return [*edits, TreeEdit(op="keep", reason=why, **told)]
+        reason = "its label in the other tree"
+        edits.append(TreeEdit(op="broaden", attested=node.attested, reason=reason, **fields))
+    reason = f"merged in from another tree, where its id was {node.id}"
+    return [*edits, TreeEdit(op="keep", reason=reason, **fields)]

@@ -35,14 +35,16 @@ class Decision(Data):
 
     def __str__(self) -> str:
         edit = self.edit
-        what = "undid edit " + str(edit.undoes) if edit.undoes is not None else _VERBS[edit.op]
+        action = _VERBS[edit.op] if edit.undoes is None else f"undid edit {edit.undoes}"
         if edit.op in ("broaden", "narrow"):
-            what += f" from “{self.label_before}” to “{edit.label}”"
+            action += f" from “{self.label_before}” to “{edit.label}”"
         elif edit.op == "move":
-            what += f" below {edit.parent}"
-        when = "" if edit.round is None else f"round {edit.round}"
-        by = [edit.stage, f"{when} of {edit.origin}".strip() if edit.origin else when, edit.model]
-        line = f"{self.index}: {what} by {', '.join(filter(None, by)) or 'nobody named'}"
+            action += f" below {edit.parent}"
+        round_words = "" if edit.round is None else f"round {edit.round}"
+        if edit.origin:
+            round_words = f"{round_words} of {edit.origin}".strip()
+        author = ", ".join(filter(None, (edit.stage, round_words, edit.model)))
+        line = f"{self.index}: {action} by {author or 'nobody named'}"
         line += f" ({edit.prompt})" if edit.prompt else ""
         line += f": {edit.reason}" if edit.reason else ""
         line += f" [because of: {edit.source}]" if edit.source else ""
@@ -97,8 +99,8 @@ class Provenance(Data):
         return self.origin.edit.reason
 
     def __str__(self) -> str:
-        where = " > ".join(self.path) if self.path else f"{self.node} (gone)"
-        return "\n".join([where, *(f"  {decision}" for decision in (self.origin, *self.later))])
+        head = " > ".join(self.path) if self.path else f"{self.node} (gone)"
+        return "\n".join([head, *(f"  {decision}" for decision in (self.origin, *self.later))])
 
 
 def provenance(tree: "ScenarioTree", node_id: str) -> Provenance:
@@ -107,10 +109,10 @@ def provenance(tree: "ScenarioTree", node_id: str) -> Provenance:
     Raises:
         UnknownComponent: If there never was such a node.
     """
-    found = provenances(tree, [node_id])
-    if node_id not in found:
+    histories = provenances(tree, [node_id])
+    if node_id not in histories:
         raise UnknownComponent("node", node_id, {edit.node for edit in tree.edits})
-    return found[node_id]
+    return histories[node_id]
 
 
 def provenances(tree: "ScenarioTree", node_ids: Iterable[str]) -> dict[str, Provenance]:
@@ -143,23 +145,23 @@ def provenances(tree: "ScenarioTree", node_ids: Iterable[str]) -> dict[str, Prov
 
 def origin_words(tree: "ScenarioTree") -> dict[str, str]:
     """Describe briefly which nodes red teaming or a merge added, and which were relabelled."""
-    born: dict[str, str] = {}
-    first: dict[str, str] = {}
-    changed: dict[str, list[str]] = {}
+    first_labels: dict[str, str] = {}
+    words: dict[str, str] = {}
+    broadenings: dict[str, list[str]] = {}
     undone = undone_edits(tree.edits)
     for index, edit in enumerate(tree.edits):
         if index in undone or edit.undoes is not None:
             continue
         if edit.op == "add":
-            first[edit.node] = edit.label or ""
+            first_labels[edit.node] = edit.label or ""
             if edit.round is not None:
-                of = f" of {edit.origin}" if edit.origin else ""
-                born[edit.node] = f"new in round {edit.round}{of}"
+                of_tree = f" of {edit.origin}" if edit.origin else ""
+                words[edit.node] = f"new in round {edit.round}{of_tree}"
         elif edit.op == "broaden":
-            changed.setdefault(edit.node, []).append("?" if edit.round is None else str(edit.round))
-    found = dict(born)
-    for name, rounds in changed.items():
-        when = f"broadened in round{'s' if len(rounds) > 1 else ''} {', '.join(rounds)}"
-        start = f"{found[name]}, " if name in found else ""
-        found[name] = f"{start}{when}, at first “{first.get(name, '')}”"
-    return found
+            round_words = "?" if edit.round is None else str(edit.round)
+            broadenings.setdefault(edit.node, []).append(round_words)
+    for node_id, rounds in broadenings.items():
+        start = f"{words[node_id]}, " if node_id in words else ""
+        times = f"broadened in round{'s' if len(rounds) > 1 else ''} {', '.join(rounds)}"
+        words[node_id] = f"{start}{times}, at first “{first_labels.get(node_id, '')}”"
+    return words

@@ -20,7 +20,7 @@ from oodscen.tree._coverage import Coverage, coverage
 from oodscen.tree._edit_log import EditLog
 from oodscen.tree._edits import Node, TreeEdit, adding
 from oodscen.tree._export import to_dot, to_mermaid, to_nested_json
-from oodscen.tree._history import moment, replay, undo, undo_round
+from oodscen.tree._history import replay, undo, undo_round, version_at
 from oodscen.tree._html import notebook_html, to_page
 from oodscen.tree._labels import CLASSES, MAX_LABEL, label_fault, slug
 from oodscen.tree._matching import THRESHOLD
@@ -103,8 +103,6 @@ class ScenarioTree:
         nodes += [Node(id=slug(name), parent=ROOT, label=name) for name in CLASSES]
         return cls(adding(node, stage="grow") for node in nodes)
 
-    # ------------------------------------------------------------------- files
-
     @classmethod
     @checked
     def parse(cls, value: object, *, source: str = "") -> Self:
@@ -153,8 +151,6 @@ class ScenarioTree:
         file = TreeFile.model_construct(nodes=self.nodes, edits=self.edits)
         return file.model_dump(mode="json")
 
-    # ------------------------------------------------------------------ change
-
     def apply(self, *edits: TreeEdit) -> "ScenarioTree":
         """Return the tree after further edits.
 
@@ -195,8 +191,6 @@ class ScenarioTree:
             raise UsageError("an origin goes with a round")
         return undo(self, index) if round is None else undo_round(self, round, origin=origin)
 
-    # ----------------------------------------------------------------- history
-
     @checked
     def at(
         self, *, edit: int | None = None, round: int | None = None, stage: str | None = None
@@ -212,7 +206,7 @@ class ScenarioTree:
         Raises:
             UsageError: If not exactly one argument is given, or there was no such moment.
         """
-        return self._at(self._index, moment(self.edits, edit=edit, round=round, stage=stage))
+        return self._at(self._index, version_at(self.edits, edit=edit, round=round, stage=stage))
 
     @checked
     def provenance(self, node_id: str) -> Provenance:
@@ -243,8 +237,6 @@ class ScenarioTree:
         if not self._version:
             raise UsageError("the tree has no edits")
         return self._index.before[whole_number("index", index, 0, self._version - 1)]
-
-    # --------------------------------------------------------- against others
 
     @checked
     def diff(
@@ -312,8 +304,6 @@ class ScenarioTree:
         """
         return coverage(self, texts=texts, scenes=scenes, episodes=episodes)
 
-    # ------------------------------------------------------------------ export
-
     def to_mermaid(self) -> str:
         """Return the tree as a Mermaid flowchart; leaves that the paper names have a bold border."""
         return to_mermaid(self)
@@ -329,8 +319,6 @@ class ScenarioTree:
     def to_page(self) -> str:
         """Return the whole tree as a separate page, light or dark by the reader's preference."""
         return to_page(self)
-
-    # -------------------------------------------------------------------- read
 
     @cached_property
     def nodes(self) -> tuple[Node, ...]:
@@ -363,11 +351,11 @@ class ScenarioTree:
     @cached_property
     def children(self) -> Mapping[str, tuple[str, ...]]:
         """Ids of the children of every node, in order."""
-        found: dict[str, list[str]] = {node.id: [] for node in self.nodes}
+        children: dict[str, list[str]] = {node.id: [] for node in self.nodes}
         for node in self.nodes:
             if node.parent is not None:
-                found[node.parent].append(node.id)
-        return MappingProxyType({key: tuple(value) for key, value in found.items()})
+                children[node.parent].append(node.id)
+        return MappingProxyType({node_id: tuple(ids) for node_id, ids in children.items()})
 
     @property
     def leaves(self) -> tuple[Node, ...]:
@@ -442,8 +430,6 @@ class ScenarioTree:
     def _repr_html_(self) -> str:
         """Return the tree as a collapsible outline for notebooks."""
         return notebook_html(self)
-
-    # ------------------------------------------------------------------- value
 
     def __setattr__(self, name: str, value: object) -> NoReturn:
         raise AttributeError("a tree never changes: `apply` returns another one")

@@ -1,9 +1,9 @@
 import pytest
 
 from oodscen.author._builtin import BuiltinAuthor
-from oodscen.author._feasibility import realise
 from oodscen.author._knowledge.base import Knowledge
 from oodscen.author._knowledge.designs import load_motions
+from oodscen.author._realisation import realise
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._tree.judge_branch import JudgeBranch
 from oodscen.prompts._weather_line import WeatherLimits

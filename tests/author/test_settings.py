@@ -5,14 +5,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen._seeding import stream
-from oodscen.author._feasibility import realise
 from oodscen.author._knowledge.base import Knowledge
 from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.author._reading.claim_extraction import read_claims
+from oodscen.author._realisation import realise
 from oodscen.author._settings import Showable, every_setting
-from oodscen.author._staging.background_traffic import on_offer
+from oodscen.author._staging.background_traffic import available
 from oodscen.author._writing.compose import Composer
-from oodscen.claims._roads import fitting_roads, of_roads
+from oodscen.claims._roads import fitting_roads, road_claims
 from oodscen.data._catalogue import WeatherRange
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.prompts._digest import CatalogueDigest
@@ -49,7 +49,7 @@ def test_phrases_are_true_of_a_road_of_the_catalogue(maps, hazard) -> None:
         return
     for place in Showable(KNOWLEDGE, few).scope(hazard).places:
         for phrase in place.phrases:
-            claims = of_roads(read_claims(f"The ego vehicle is {phrase}."))
+            claims = road_claims(read_claims(f"The ego vehicle is {phrase}."))
             roads = fitting_roads(claims, maps)
             assert roads, phrase
             if re.search(r"\b(?:bend|curv|winding)", phrase):
@@ -94,9 +94,9 @@ def test_no_traffic_is_told_that_the_catalogue_lacks() -> None:
     lone = digest_of(assets=tuple(a for a in FLAT_CATALOGUE.assets if a.category != "vehicle"))
     hazard = KNOWLEDGE.by_id["fallen-tree"]
     assert {one.key for one in Showable(KNOWLEDGE, lone).scope(hazard).traffic} <= {"quiet"}
-    assert on_offer(KNOWLEDGE.company, lone) == []
+    assert available(KNOWLEDGE.company, lone) == []
     still = digest_of(behaviours=FLAT_CATALOGUE.behaviours[:1])
-    assert on_offer(KNOWLEDGE.company, still) == []
+    assert available(KNOWLEDGE.company, still) == []
 
 
 def test_a_road_of_no_known_words_is_told_by_its_description(knowledge: Knowledge) -> None:

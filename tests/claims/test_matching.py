@@ -57,11 +57,11 @@ def test_a_noun_that_fits_needs_no_meaning():
     for asset in CATALOGUE.assets:
         for subject in subjects:
             if may_be(subject, asset):
-                assert doubt(subject, [], asset, CATALOGUE) == ""
+                assert doubt(subject, [], asset, CATALOGUE, None) == ""
 
 
 def test_an_encoder_whose_cosines_mean_nothing_is_not_asked():
     assert likeness_of(HashEncoder(), CATALOGUE) is None
     assert likeness_of(None, CATALOGUE) is None
-    assert doubt("uprooted maple", [], CATALOGUE.asset("fallen_tree"), CATALOGUE) == ""
-    assert doubt("dog", [], CATALOGUE.asset("cat"), CATALOGUE) != ""
+    assert doubt("uprooted maple", [], CATALOGUE.asset("fallen_tree"), CATALOGUE, None) == ""
+    assert doubt("dog", [], CATALOGUE.asset("cat"), CATALOGUE, None) != ""

@@ -5,7 +5,7 @@ import pytest
 from oodscen import TreeGrower
 from oodscen.errors import AnswerError
 from oodscen.prompts._tree.place_scenario import PlaceScenario
-from oodscen.prompts._tree.propose_tree import MAX_DEPTH, ProposeTree
+from oodscen.prompts._tree.propose_tree import MAX_PROPOSED_DEPTH, ProposeTree
 from oodscen.testing import ScriptedLLM
 from oodscen.tree._scenario_tree import ROOT
 
@@ -105,7 +105,9 @@ def test_a_tree_of_endless_depth_is_sent_back_once():
     ]
     with pytest.raises(AnswerError) as caught:
         grown([{"nodes": nodes}] * 3, nodes=2_000)
-    assert [issue.path for issue in caught.value.issues] == [f"nodes[{MAX_DEPTH + 3}].parent"]
+    assert [issue.path for issue in caught.value.issues] == [
+        f"nodes[{MAX_PROPOSED_DEPTH + 3}].parent"
+    ]
 
 
 def test_labels_that_are_markup_or_instructions_are_sent_back():

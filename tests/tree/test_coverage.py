@@ -103,6 +103,16 @@ def test_every_count_is_the_sum_of_what_is_below(tree, leaves):
     assert found + report.elsewhere / 2 == len(texts)
 
 
+def test_a_repeated_id_counts_once():
+    texts = [text("a-1", "whole"), text("a-1", "whole", "Other words."), text("b-1", "lost")]
+    scenes = [scene("a-1", "a-1"), scene("b-1", "b-1")]
+    episodes = [episode("a-1", ("safe", "hit"))]
+    report = coverage(TREE, texts=texts, scenes=scenes, episodes=episodes)
+    assert (report.rows[0].texts, report.elsewhere) == (1, 2)
+    again = coverage(TREE, texts=texts * 2, scenes=scenes * 2, episodes=episodes * 2)
+    assert again == report
+
+
 def test_text_sets_of_any_size_are_counted():
     class Kept:
         config = StudyConfig(sets=(7,))

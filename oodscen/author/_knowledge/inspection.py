@@ -12,12 +12,12 @@ from itertools import combinations
 from pathlib import Path
 
 from oodscen._arguments import checked
-from oodscen.author._feasibility import NO_RECIPE, realise
 from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._knowledge.loading import KnowledgeFiles, gather, load_knowledge, own_files
 from oodscen.author._knowledge.validation import validate_knowledge
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._reading.stemming import stems
+from oodscen.author._realisation import NO_RECIPE, realise
 from oodscen.author._staging.drafting import Stager
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scenario import Scenario

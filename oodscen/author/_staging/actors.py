@@ -1,6 +1,5 @@
 """Placement of a recipe's actors on the road, each with its ordinary counterpart."""
 
-import re
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
@@ -16,8 +15,6 @@ from oodscen.prompts._digest import CatalogueDigest
 
 _SLOWED = frozenset({"vehicle", "cyclist"})
 """Categories whose speeds decrease with the road's speed limit."""
-_LIMITS = re.compile(r"(\w+) (-?[\d.e+]+?)\.\.(-?[\d.e+]+) ")
-"""Name, minimum and maximum of a parameter in a line of the digest."""
 _FARTHEST_M = 150.0
 """Largest lateral starting distance of crossing traffic, m."""
 
@@ -25,10 +22,10 @@ _FARTHEST_M = 150.0
 class _AnchorSpot(NamedTuple):
     """The anchor from which an actor is measured."""
 
-    ahead: float
+    ahead_m: float
     """Distance ahead of the ego's start, m."""
     lane: int
-    offset: float
+    offset_m: float
 
 
 def cast_all(layout: Layout) -> Cast:
@@ -52,12 +49,12 @@ def _row(
 
     `placed` holds the actors from which it may be measured, by id in the recipe; of a row, the first.
     """
-    first = _ahead(part, layout)
-    aside, asset = layout.draw(part.offset), layout.choose(part.asset)
-    lane = 0 if part.at in placed else _lane(part.lane, layout)
-    drawn = []
+    first_ahead = _draw_ahead(part, layout)
+    first_offset, asset = layout.draw(part.offset), layout.choose(part.asset)
+    lane = 0 if part.at in placed else _choose_lane(part.lane, layout)
+    row = []
     spots = [spot for spot in _spots(part, layout, placed) for _ in part.names]
-    for number, (name, spot) in enumerate(zip(_names(part, len(spots)), spots, strict=True)):
+    for index, (name, spot) in enumerate(zip(_names(part, len(spots)), spots, strict=True)):
         behaviour = Behaviour(
             name=part.behaviour,
             trigger=_trigger(part.trigger, layout),
@@ -65,11 +62,11 @@ def _row(
             other=part.other,
         )
         heading = layout.draw(part.heading_deg)
-        row = number if part.count > 1 else 0
-        ahead = spot.ahead + first + row * part.spread_ahead
-        offset = spot.offset + aside + row * part.spread_offset
+        steps = index if part.count > 1 else 0
+        ahead = spot.ahead_m + first_ahead + steps * part.spread_ahead
+        offset = spot.offset_m + first_offset + steps * part.spread_offset
         if part.meets is not None:
-            offset = _away(layout, ahead, heading, behaviour, layout.draw(part.meets))
+            offset = _crossing_offset(layout, ahead, heading, behaviour, layout.draw(part.meets))
         actor = Actor(
             id=name,
             asset=asset if part.count == 1 else layout.choose(part.asset),
@@ -83,8 +80,8 @@ def _row(
             state=_state(asset, part.state, layout),
             details=_details(part.details, layout.digest),
         )
-        drawn.append((actor, _ordinary(actor, part, layout)))
-    return drawn
+        row.append((actor, _ordinary(actor, part, layout)))
+    return row
 
 
 def _names(part: RecipeActor, count: int) -> tuple[str, ...]:
@@ -93,7 +90,7 @@ def _names(part: RecipeActor, count: int) -> tuple[str, ...]:
     return tuple(f"{part.id}-{number}" for number in range(1, count + 1))
 
 
-def _ahead(part: RecipeActor, layout: Layout) -> float:
+def _draw_ahead(part: RecipeActor, layout: Layout) -> float:
     """Draw the distance of an actor ahead of its anchor; a displacement narrows the range."""
     if part.at != "start" or not layout.shift_m:
         return layout.draw(part.ahead)
@@ -115,19 +112,19 @@ def _spots(part: RecipeActor, layout: Layout, placed: Mapping[str, Actor]) -> It
         yield _AnchorSpot(0.0, 0, 0.0)
 
 
-def _away(
-    layout: Layout, ahead: float, heading_deg: float, behaviour: Behaviour, late: float
+def _crossing_offset(
+    layout: Layout, ahead: float, heading_deg: float, behaviour: Behaviour, late_s: float
 ) -> float:
-    """Return the lateral start of traffic that crosses some way ahead, late after the ego, s; m to the left.
+    """Return the lateral start of traffic that crosses some way ahead, `late_s` after the ego, m to the left.
 
     A positive heading comes from the right.
     """
-    seconds = max(ahead / layout.speed + late, 0.5)
-    away = min(behaviour.parameters.get("speed", 0.0) * seconds, _FARTHEST_M)
-    return -away if heading_deg > 0.0 else away
+    seconds = max(ahead / layout.speed + late_s, 0.5)
+    distance = min(behaviour.parameters.get("speed", 0.0) * seconds, _FARTHEST_M)
+    return -distance if heading_deg > 0.0 else distance
 
 
-def _lane(options: tuple[int, ...], layout: Layout) -> int:
+def _choose_lane(options: tuple[int, ...], layout: Layout) -> int:
     """Choose one of the lanes that the road has."""
     fitting = [lane for lane in options if layout.has_lane(lane)] or list(options)
     return fitting[int(layout.rng.integers(len(fitting)))]
@@ -141,28 +138,32 @@ def _ordinary(actor: Actor, part: RecipeActor, layout: Layout) -> Actor | None:
     """Return the counterpart of an actor in the ordinary twin; `None` for plain removal."""
     if part.ordinary == "remove":
         return None
-    change, old, behaviour = part.ordinary, actor.placement, actor.behaviour
+    change, placement, behaviour = part.ordinary, actor.placement, actor.behaviour
     name = change.behaviour or behaviour.name
     trigger = behaviour.trigger if name == behaviour.name else Trigger()
     if change.trigger is not None:
         trigger = _trigger(change.trigger, layout)
     asset = layout.choose(change.asset) if change.asset else actor.asset
-    drawn: dict[str, Drawn] = {key: (one, one) for key, one in behaviour.parameters.items()}
-    parameters = _parameters(name, drawn, layout)
+    unchanged: dict[str, Drawn] = {
+        key: (value, value) for key, value in behaviour.parameters.items()
+    }
+    parameters = _parameters(name, unchanged, layout)
     parameters.update(_parameters(name, change.parameters or {}, layout, asset))
     state = actor.state if change.state is None else change.state
-    offset = old.offset_m if change.offset is None else layout.draw(change.offset)
+    offset = placement.offset_m if change.offset is None else layout.draw(change.offset)
     if part.meets is not None:
-        offset = abs(offset) if old.offset_m > 0.0 else -abs(offset)
+        offset = abs(offset) if placement.offset_m > 0.0 else -abs(offset)
     return Actor(
         id=actor.id,
         asset=asset,
         placement=Placement(
-            ahead_m=old.ahead_m if change.ahead is None else layout.draw(change.ahead),
-            lane=old.lane if change.lane is None else _there(change.lane, layout),
+            ahead_m=placement.ahead_m if change.ahead is None else layout.draw(change.ahead),
+            lane=placement.lane if change.lane is None else _lane_on_road(change.lane, layout),
             offset_m=offset,
             heading_deg=(
-                old.heading_deg if change.heading_deg is None else layout.draw(change.heading_deg)
+                placement.heading_deg
+                if change.heading_deg is None
+                else layout.draw(change.heading_deg)
             ),
         ),
         behaviour=Behaviour(
@@ -175,7 +176,7 @@ def _ordinary(actor: Actor, part: RecipeActor, layout: Layout) -> Actor | None:
     )
 
 
-def _there(lane: int, layout: Layout) -> int:
+def _lane_on_road(lane: int, layout: Layout) -> int:
     """Return a lane that the road has; if there is none on this side of the ego, one on the other."""
     return lane if layout.has_lane(lane) else -lane
 
@@ -188,9 +189,9 @@ def _parameters(
     The speed of an asset is scaled down if the road's limit slows the ego down.
     """
     is_slowed = asset in layout.assets and layout.assets[asset].category in _SLOWED
-    line = next((b.parameters for b in layout.digest.behaviours if b.id == name), "")
-    allowed = {key: (float(low), float(high)) for key, low, high in _LIMITS.findall(line)}
-    drawn = {}
+    lines = (line.limits for line in layout.digest.behaviours if line.id == name)
+    allowed = next(lines, {})
+    parameters = {}
     for key, limit in limits.items():
         value = layout.draw((layout.speed, layout.speed) if limit == "ego" else limit)
         if key not in allowed:
@@ -198,11 +199,12 @@ def _parameters(
         if key == "speed" and limit != "ego" and is_slowed:
             value = round(value * layout.slowed, 2)
         low, high = allowed[key]
-        drawn[key] = min(max(value, low), high)
-    return drawn
+        parameters[key] = min(max(value, low), high)
+    return parameters
 
 
 def _state(asset: str, state: str, layout: Layout) -> str:
+    """Return a state if the asset has it, or else the empty state."""
     return state if asset in layout.assets and state in layout.assets[asset].states else ""
 
 
@@ -216,14 +218,18 @@ def _details(wanted: Details | None, digest: CatalogueDigest) -> Details | None:
 
 def named_traffic(part: TrafficActor, layout: Layout, named: tuple[Thing, ...]) -> list[Actor]:
     """Return the ordinary road user that the text mentions, if the road has a lane for it."""
-    is_oncoming, left = part.side == "oncoming", layout.road.lanes - layout.ego_lane
-    if (layout.road.oncoming_lanes < 1) if is_oncoming else (left < 2):
+    first_oncoming = layout.road.lanes - layout.ego_lane
+    if part.side == "oncoming":
+        lane, has_lane = first_oncoming, layout.road.oncoming_lanes >= 1
+    else:
+        lane, has_lane = 1, first_oncoming >= 2
+    if not has_lane:
         return []
     return [
         Actor(
             id=part.id,
             asset=layout.choose(part.asset, named),
-            placement=Placement(ahead_m=layout.draw(part.ahead), lane=left if is_oncoming else 1),
+            placement=Placement(ahead_m=layout.draw(part.ahead), lane=lane),
             behaviour=Behaviour(
                 name=part.behaviour, parameters=_parameters(part.behaviour, part.parameters, layout)
             ),

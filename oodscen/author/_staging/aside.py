@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from oodscen.author._knowledge.base import HazardKind, Recipe, RecipeActor
 from oodscen.prompts._digest import AssetLine
 
-SHARE = 0.9
+ASIDE_SHARE = 0.9
 """Share of the events set beside the lane, of those that could be."""
 _IN_LANE = re.compile(
     r"\b(?:right )?(?:in|across|over|on|into) (?:the middle of )?(?:the ego's lane|the path of the ego vehicle)\b"
@@ -18,10 +18,13 @@ _CLOSES = re.compile(
 )
 """Words of events that make no sense beside the lane."""
 _ASIDE = "beside the ego's lane"
-_TOLD = re.compile(
+_NAMES_ASIDE = re.compile(
     r"\bbeside (?:my|its|the (?:ego(?: vehicle| car)?)(?:'s)?|ego's) lane\b", re.IGNORECASE
 )
 _HALF_LANE_M = 1.9
+"""Half the width of a lane, m."""
+_USUAL_HALF_WIDTH_M = 0.5
+"""Half the width of a thing that the catalogue does not have, m."""
 _ROOM_M = (0.35, 0.75)
 """Room between the edge of the lane and a thing beside it, m."""
 _WIDE = frozenset(
@@ -43,13 +46,14 @@ def may_be_aside(hazard: HazardKind) -> bool:
 
 
 def _is_movable(actor: RecipeActor) -> bool:
-    is_plain = actor.at == "start" and actor.lane == (0,) and actor.ordinary == "remove"
-    is_small = not _WIDE & set(actor.asset) and abs(actor.spread_offset) * actor.count < _SPREAD_M
-    is_plain = is_plain and is_small
-    return is_plain and max(map(abs, actor.offset)) <= _INSIDE_M and not actor.state
+    """Return whether a plain and narrow thing lies in the lane."""
+    is_plain = actor.at == "start" and actor.ordinary == "remove" and not actor.state
+    is_narrow = not _WIDE & set(actor.asset) and abs(actor.spread_offset) * actor.count < _SPREAD_M
+    is_in_lane = actor.lane == (0,) and max(map(abs, actor.offset)) <= _INSIDE_M
+    return is_plain and is_narrow and is_in_lane
 
 
-def told_aside(event: str) -> str:
+def event_aside(event: str) -> str:
     """Return an event with its thing beside the ego's lane; empty if the wording does not allow it."""
     match = _IN_LANE.search(event)
     if match is None:
@@ -60,19 +64,24 @@ def told_aside(event: str) -> str:
     return f"{event[: match.start()]}{_ASIDE}{event[match.end() :]}"
 
 
-def moved_aside(recipe: Recipe, text: str, assets: Mapping[str, AssetLine]) -> Recipe:
+def recipe_aside(recipe: Recipe, text: str, assets: Mapping[str, AssetLine]) -> Recipe:
     """Return the recipe with its thing to the right of the lane if the text says so."""
-    if not _TOLD.search(text) or len(recipe.actors) != 1 or not _is_movable(recipe.actors[0]):
+    if (
+        not _NAMES_ASIDE.search(text)
+        or len(recipe.actors) != 1
+        or not _is_movable(recipe.actors[0])
+    ):
         return recipe
     (actor,) = recipe.actors
-    half = max((_half(actor, assets[one]) for one in actor.asset if one in assets), default=0.5)
-    half += max(actor.spread_offset, 0.0) * (actor.count - 1)
-    low, high = (-(_HALF_LANE_M + half + room) for room in reversed(_ROOM_M))
+    half_widths = [_half_width_m(actor, assets[name]) for name in actor.asset if name in assets]
+    half_width = max(half_widths, default=_USUAL_HALF_WIDTH_M)
+    half_width += max(actor.spread_offset, 0.0) * (actor.count - 1)
+    low, high = (-(_HALF_LANE_M + half_width + room) for room in reversed(_ROOM_M))
     moved = actor.model_copy(update={"offset": (low, high)})
     return recipe.model_copy(update={"actors": (moved,), "ego_lane": "right", "width": 0.0})
 
 
-def _half(actor: RecipeActor, asset: AssetLine) -> float:
+def _half_width_m(actor: RecipeActor, asset: AssetLine) -> float:
     """Return the largest half extent across the road, m."""
     turns = [math.radians(turn) for turn in actor.heading_deg]
     return max(

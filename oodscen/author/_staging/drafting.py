@@ -11,12 +11,12 @@ from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._settings import places_of, roads_for
 from oodscen.author._staging.actors import cast_all, named_traffic
-from oodscen.author._staging.aside import moved_aside
+from oodscen.author._staging.aside import recipe_aside
 from oodscen.author._staging.background_traffic import (
-    company,
+    available,
     expected_decision_s,
     follower,
-    on_offer,
+    surrounding_traffic,
     tailgater,
 )
 from oodscen.author._staging.counterparts import drawn_near, replaced
@@ -27,7 +27,7 @@ from oodscen.author._staging.layout import Cast, Layout
 from oodscen.author._staging.told import Told
 from oodscen.author._staging.weather import draw_weather
 from oodscen.author._writing.stand_in import stand_in
-from oodscen.claims._roads import is_so, of_roads
+from oodscen.claims._roads import holds_by_traits, road_claims
 from oodscen.claims._things import may_be
 from oodscen.data._scene import Actor, Ego, Hazard
 from oodscen.driving._motion.off_centre import off_centre
@@ -56,7 +56,7 @@ class Stager:
         told = self._told(prompt)
         rng = stream(seed, "stage", prompt.text, attempt)
         layout = self._layout(told, prompt.catalogue, rng)
-        kinds = on_offer(self.knowledge.company, prompt.catalogue)
+        kinds = available(self.knowledge.company, prompt.catalogue)
         behind = tailgater(kinds, layout, told)
         layout = decided(replace(layout, is_followed=behind is not None), told.distance_m)
         cast = cast_all(layout)
@@ -72,7 +72,9 @@ class Stager:
             decision_s = expected_decision_s(decision, cast.actors, layout.speed)
             cast = _countered(cast, told, layout, decisive, decision_s)
             if told.traffic is None and layout.recipe.company:
-                others = company(kinds, layout, cast.everyone, decision_s, is_dense=told.is_dense)
+                others = surrounding_traffic(
+                    kinds, layout, cast.everyone, decision_s, is_dense=told.is_dense
+                )
                 cast = cast.joined_by(others)
         cast = _off_centre(cast, seed, told.text)
         if layout.ordinary_weather is None and not cast.unusual:
@@ -118,7 +120,7 @@ class Stager:
         place = self._place(told, rng)
         road = _map_for(place, told, digest)
         offered = {asset.id: asset for asset in digest.assets}
-        recipe = moved_aside(varied(told.recipe, told.text), told.text, offered)
+        recipe = recipe_aside(varied(told.recipe, told.text), told.text, offered)
         limits = WeatherLimits.of(digest.weather)
         weather, ordinary = draw_weather(recipe, told, self.knowledge, limits, rng)
         recipe, lane = settled(recipe, road, told.text, rng)
@@ -155,11 +157,11 @@ def _map_for(place: RoadKind, told: Told, digest: CatalogueDigest) -> MapLine:
     fitting = roads_for(told.hazard, digest)
     if not fitting:
         raise LLMError("no map of the simulator fits the text", model="builtin")
-    about_roads = of_roads(told.claims)
+    about_roads = road_claims(told.claims)
     return max(
         fitting,
         key=lambda road: (
-            sum(is_so(claim, road) for claim in about_roads),
+            sum(holds_by_traits(claim, road) for claim in about_roads),
             len(set(place.traits) & set(road.traits)),
         ),
     )

@@ -11,7 +11,7 @@ from oodscen._text import folded_words
 from oodscen.author._knowledge.base import BackgroundTraffic, HazardKind, Knowledge, RoadKind
 from oodscen.author._reading.ego_naming import Name, named
 from oodscen.author._settings import Scope, every_setting
-from oodscen.author._staging.aside import SHARE, may_be_aside, told_aside
+from oodscen.author._staging.aside import ASIDE_SHARE, event_aside, may_be_aside
 from oodscen.author._staging.decision_timing import approach
 from oodscen.author._writing.agreement import Agreement, PlaceAndTime
 from oodscen.author._writing.constructions import (
@@ -128,8 +128,8 @@ class Composer:
             events = self._short(hazard, setting)
         fit = [self._agreement.suits(event, setting) for event in events]
         event = turns.first(f"event {len(events)}", events, fit) or events[0]
-        if may_be_aside(hazard) and rng.random() < SHARE:
-            event = told_aside(event) or event
+        if may_be_aside(hazard) and rng.random() < ASIDE_SHARE:
+            event = event_aside(event) or event
         details = self._agreement.suiting(hazard.details, setting)
         opening = turns.next("opening", self.knowledge.wording.openings)
         named_place = f"place {place.key} {len(wheres)}"

@@ -37,7 +37,7 @@ class ChooseAction(DriveQuestion[ChosenAction]):
 
     def check(self, answer: ChosenAction) -> list[Issue]:
         """Return a fault if the action is not one of the options."""
-        known = [option.id for option in self.options]
-        if answer.action not in known:
-            return [Issue("action", f"{answer.action!r} is none of {', '.join(known)}")]
+        ids = [option.id for option in self.options]
+        if answer.action not in ids:
+            return [Issue("action", f"{answer.action!r} is none of {', '.join(ids)}")]
         return []

@@ -62,8 +62,10 @@ class DriveQuestion(Prompt[Answer]):
 
     def variables(self) -> dict[str, Any]:
         """Return the fields; frames that are withheld count in the words."""
-        found = super().variables()
-        return found | {"frames": (None,) * self.withheld} if self.withheld else found
+        variables = super().variables()
+        if self.withheld:
+            variables["frames"] = (None,) * self.withheld
+        return variables
 
     def earlier(self) -> tuple[Message, ...]:
         """Return the turns about the frames."""
@@ -76,5 +78,9 @@ class DriveQuestion(Prompt[Answer]):
 
     def question(self) -> str:
         """Render the user's turn; a sentence before it names the view to the rear, or says that no picture is shown."""
-        said = (_REAR if self.rear else "", _WITHHELD if self.withheld else "", super().question())
-        return "\n\n".join(filter(None, said))
+        parts = [super().question()]
+        if self.withheld:
+            parts.insert(0, _WITHHELD)
+        if self.rear is not None:
+            parts.insert(0, _REAR)
+        return "\n\n".join(parts)

@@ -35,10 +35,12 @@ class DescribeOrdinary(Prompt[OrdinaryText]):
 
     def check(self, answer: OrdinaryText) -> list[Issue]:
         """Return a fault if the answer is the same text, differs much in length, or is not in plain words."""
-        words, own = len(folded_words(answer.text).split()), len(folded_words(self.text).split())
-        if folded_words(answer.text) == folded_words(self.text):
+        words, original = folded_words(answer.text), folded_words(self.text)
+        if words == original:
             return [Issue("text", "is the same text; replace the unusual event")]
-        if not 0.5 * own - 4 <= words <= 1.5 * own + 4:
-            return [Issue("text", f"has {words} words; keep about the {own} of the original")]
+        count, original_count = len(words.split()), len(original.split())
+        if not 0.5 * original_count - 4 <= count <= 1.5 * original_count + 4:
+            message = f"has {count} words; keep about the {original_count} of the original"
+            return [Issue("text", message)]
         fault = description_fault(answer.text)
         return [Issue("text", fault)] if fault else []

@@ -15,8 +15,8 @@ Style = Literal["natural", "paper", "terse", "verbose", "first-person"]
 """Register of a text: varied everyday prose, two sentences as in the paper, a line of a test
 catalogue, a full account, or the driver's own words."""
 STYLES: tuple[Style, ...] = get_args(Style)
-SHOWN = 400
-"""Tokens of existing texts that a question shows."""
+SHOWN_TOKENS = 400
+"""Number of tokens of existing texts that a question shows."""
 
 
 class Descriptions(Brief, BaseModel):
@@ -37,7 +37,7 @@ class DescribePath(Prompt[Descriptions]):
     count: int
     """Number of texts to write, at most."""
     avoid: tuple[str, ...] = ()
-    """Existing texts that must not be repeated. The question shows the last ones, `SHOWN` tokens of them."""
+    """Existing texts that must not be repeated. The question shows the last ones, up to `SHOWN_TOKENS`."""
     style: Style = "natural"
     """Register of the texts."""
     catalogue: CatalogueDigest | None = None
@@ -50,7 +50,7 @@ class DescribePath(Prompt[Descriptions]):
         return {
             **super().variables(),
             "register": _REGISTERS[self.style],
-            "shown": _last(self.avoid, SHOWN * CHARACTERS_PER_TOKEN),
+            "shown": _last(self.avoid, SHOWN_TOKENS * CHARACTERS_PER_TOKEN),
         }
 
     def check(self, answer: Descriptions) -> list[Issue]:
@@ -89,10 +89,11 @@ _REGISTERS: dict[Style, str] = {
 }
 
 
-def _last(texts: tuple[str, ...], room: int) -> tuple[str, ...]:
-    """Return the last texts that fit into so many characters together, at least one."""
-    first = len(texts)
-    while first and (first == len(texts) or room >= len(texts[first - 1])):
-        first -= 1
-        room -= len(texts[first])
-    return texts[first:]
+def _last(texts: tuple[str, ...], most_characters: int) -> tuple[str, ...]:
+    """Return the last texts that have at most so many characters together, but at least one text."""
+    characters = 0
+    for index in range(len(texts) - 1, -1, -1):
+        characters += len(texts[index])
+        if characters > most_characters:
+            return texts[min(index + 1, len(texts) - 1) :]
+    return texts

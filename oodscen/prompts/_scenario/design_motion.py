@@ -61,6 +61,6 @@ class DesignMotion(Prompt[DesignedMotion]):
             issues.append(Issue("motion.id", f"must be {self.name!r}"))
         able = motions.ABILITIES[answer.motion.body].categories
         if self.categories and not set(able) & set(self.categories):
-            said = ", ".join(self.categories)
-            issues.append(Issue("motion.body", f"what moves so is of category {said}"))
+            categories = ", ".join(self.categories)
+            issues.append(Issue("motion.body", f"what moves so is of category {categories}"))
         return issues

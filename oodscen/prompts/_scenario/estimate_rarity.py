@@ -40,6 +40,7 @@ class EstimateRarity(Prompt[RarityEstimates]):
 
     texts: tuple[str, ...] = Field(min_length=1)
     population: str
+    """Drivers and roads that the estimates are about."""
 
     def check(self, answer: RarityEstimates) -> list[Issue]:
         """Return a fault for every text without exactly one entry, and for figures out of order or missing."""
@@ -50,19 +51,19 @@ class EstimateRarity(Prompt[RarityEstimates]):
             for number, count in counts.items()
             if count != 1
         ]
-        if extra := sorted(set(numbers) - set(counts)):
-            issues.append(Issue("estimates", f"there is no text {extra[0]}"))
-        for place, rarity_estimate in enumerate(answer.estimates):
-            found = [
-                value
-                for value in (rarity_estimate.low, rarity_estimate.best, rarity_estimate.high)
-                if value is not None
+        if unknown := sorted(set(numbers) - set(counts)):
+            issues.append(Issue("estimates", f"there is no text {unknown[0]}"))
+        for index, estimate in enumerate(answer.estimates):
+            figures = [
+                figure
+                for figure in (estimate.low, estimate.best, estimate.high)
+                if figure is not None
             ]
-            may_be_silent = rarity_estimate.problem not in ("none", "several events")
-            is_complete = len(found) == 3 or (not found and may_be_silent)
-            if found != sorted(found) or not is_complete:
+            may_be_silent = estimate.problem not in ("none", "several events")
+            is_complete = len(figures) == 3 or (not figures and may_be_silent)
+            if figures != sorted(figures) or not is_complete:
                 fault = (
                     "low, best and high are three logarithms in order, or all null with a problem"
                 )
-                issues.append(Issue(f"estimates[{place}]", fault))
+                issues.append(Issue(f"estimates[{index}]", fault))
         return issues

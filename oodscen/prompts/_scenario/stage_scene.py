@@ -49,25 +49,15 @@ class SceneDraft(Brief, BaseModel):
         """Leave out what is blank, and turn headings into the range from -180 to 180 degrees."""
         if not isinstance(value, Mapping):
             return value
+        draft = without_blanks({name: value[name] for name in value if name != "hazard"})
+        assert isinstance(draft, dict)
+        if str(draft.get("cannot_show", "")).strip():
+            return {**_BLANK, "cannot_show": draft["cannot_show"]}
         hazard = value.get("hazard")
-        tidy = without_blanks({name: one for name, one in value.items() if name != "hazard"})
-        assert isinstance(tidy, dict)
-        if isinstance(hazard, Mapping):
-            # A hazard's actor that is null is one that ordinary traffic does not have.
-            ordinary = hazard.get("actors")
-            rest = without_blanks({name: hazard[name] for name in hazard if name != "actors"})
-            assert isinstance(rest, dict)
-            if isinstance(ordinary, Mapping):
-                rest["actors"] = {key: without_blanks(ordinary[key]) or None for key in ordinary}
-            elif ordinary:
-                rest["actors"] = ordinary
-            tidy["hazard"] = rest
-        elif hazard is not None:
-            tidy["hazard"] = hazard
-        if str(tidy.get("cannot_show", "")).strip():
-            return {**_BLANK, "cannot_show": tidy["cannot_show"]}
-        _turn(tidy)
-        return tidy
+        if hazard is not None:
+            draft["hazard"] = _hazard_without_blanks(hazard)
+        _fold_headings(draft)
+        return draft
 
     @field_validator("stands_for", mode="before")
     @classmethod
@@ -75,24 +65,38 @@ class SceneDraft(Brief, BaseModel):
         """Accept a single id in place of a list of one."""
         if not isinstance(value, Mapping):
             return value
-        return {key: [one] if isinstance(one, str) else one for key, one in value.items()}
+        return {thing: [ids] if isinstance(ids, str) else ids for thing, ids in value.items()}
 
 
-def _turn(draft: dict[str, Any]) -> None:
+def _hazard_without_blanks(hazard: object) -> object:
+    """Leave out what is blank, except actors: null stands for one that ordinary traffic does not have."""
+    if not isinstance(hazard, Mapping):
+        return hazard
+    rest = without_blanks({name: hazard[name] for name in hazard if name != "actors"})
+    assert isinstance(rest, dict)
+    actors = hazard.get("actors")
+    if isinstance(actors, Mapping):
+        rest["actors"] = {key: without_blanks(actors[key]) or None for key in actors}
+    elif actors:
+        rest["actors"] = actors
+    return rest
+
+
+def _fold_headings(draft: dict[str, Any]) -> None:
     """Replace the headings of a draft's actors by equal ones within -180 to 180 degrees."""
+    actors: list[object] = []
+    if isinstance(draft.get("actors"), list):
+        actors += draft["actors"]
     hazard = draft.get("hazard")
-    ordinary = hazard.get("actors") if isinstance(hazard, Mapping) else None
-    actors = draft.get("actors")
-    for actor in (
-        *(actors if isinstance(actors, list) else ()),
-        *(ordinary.values() if isinstance(ordinary, Mapping) else ()),
-    ):
-        place = actor.get("placement") if isinstance(actor, Mapping) else None
-        if not isinstance(place, dict):
+    if isinstance(hazard, Mapping) and isinstance(hazard.get("actors"), Mapping):
+        actors += hazard["actors"].values()
+    for actor in actors:
+        placement = actor.get("placement") if isinstance(actor, Mapping) else None
+        if not isinstance(placement, dict):
             continue
-        heading = place.get("heading_deg")
+        heading = placement.get("heading_deg")
         if isinstance(heading, (int, float)) and math.isfinite(heading) and abs(heading) > 180:
-            place["heading_deg"] = math.remainder(heading, 360.0)
+            placement["heading_deg"] = math.remainder(heading, 360.0)
 
 
 class StageScene(Prompt[SceneDraft]):
@@ -121,7 +125,7 @@ class StageScene(Prompt[SceneDraft]):
         return {**super().variables(), "things": self.things}
 
     def check(self, answer: SceneDraft) -> list[Issue]:
-        """Return faults of `stands_for`: things that no claim names, and actors that do not exist."""
+        """Return faults of `stands_for`: actors that do not exist. Without claims nothing reads it."""
         if answer.cannot_show or not self.claims:
             return []
         ids = {actor.id for actor in answer.actors} | {"map"}

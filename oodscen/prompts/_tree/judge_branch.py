@@ -80,19 +80,21 @@ class JudgeBranch(Prompt[BranchJudgement]):
 
     def check(self, answer: BranchJudgement) -> list[Issue]:
         """Return faults: named entries that do not exist, missing ones that do, or an invalid narrower label."""
-        known = self._vocabulary()
+        vocabulary = self._vocabulary()
         issues = []
         for field in ("assets", "states", "behaviours", "weather", "traits"):
             for index, name in enumerate(getattr(answer, field)):
-                issues += _unknown(f"{field}[{index}]", name, known[field])
+                issues += _unknown(f"{field}[{index}]", name, vocabulary[field])
         for index, substitute in enumerate(answer.substitutes):
-            issues += _unknown(f"substitutes[{index}].asset", substitute.asset, known["assets"])
+            issues += _unknown(
+                f"substitutes[{index}].asset", substitute.asset, vocabulary["assets"]
+            )
         for index, addition in enumerate(answer.missing):
             if is_left_out(addition.name):
                 issues.append(
                     Issue(f"missing[{index}]", "leave the list empty if nothing is missing")
                 )
-            if self._has(addition):
+            if self._is_offered(addition):
                 message = f"{addition.words} is in the list: it is not missing"
                 issues.append(Issue(f"missing[{index}]", message))
         issues += self._contradictions(answer)
@@ -124,16 +126,21 @@ class JudgeBranch(Prompt[BranchJudgement]):
         return []
 
     def _vocabulary(self) -> dict[str, list[str]]:
+        """Return the names that an answer may use, by field."""
         return {
             "assets": [asset.id for asset in self.catalogue.assets],
-            "states": [f"{a.id}: {state}" for a in self.catalogue.assets for state in a.states],
+            "states": [
+                f"{asset.id}: {state}" for asset in self.catalogue.assets for state in asset.states
+            ],
             "behaviours": [behaviour.id for behaviour in self.catalogue.behaviours],
-            "weather": [w for w in WEATHER_KINDS if self.catalogue.limits.offers(w)],
-            "traits": [*dict.fromkeys(t for road in self.catalogue.maps for t in road.features)],
+            "weather": [kind for kind in WEATHER_KINDS if self.catalogue.limits.offers(kind)],
+            "traits": list(
+                dict.fromkeys(trait for road in self.catalogue.maps for trait in road.features)
+            ),
         }
 
-    def _has(self, addition: Addition) -> bool:
-        """Return whether the catalogue has what an answer calls missing."""
+    def _is_offered(self, addition: Addition) -> bool:
+        """Return whether the catalogue has something that an answer calls missing."""
         catalogue = self.catalogue
         if addition.kind == "asset":
             return bool(catalogue.called(addition.name))
@@ -183,16 +190,14 @@ class JudgeBranches(Prompt[BranchJudgements]):
             for number in wanted
             if counts[number] != 1
         ]
-        for index, numbered_judgement in enumerate(answer.judgements):
+        for index, judgement in enumerate(answer.judgements):
             path = f"judgements[{index}]"
-            if numbered_judgement.number not in wanted:
-                issues.append(
-                    Issue(f"{path}.number", f"there is no kind {numbered_judgement.number}")
-                )
+            if judgement.number not in wanted:
+                issues.append(Issue(f"{path}.number", f"there is no kind {judgement.number}"))
                 continue
             issues += [
                 Issue(f"{path}.{fault.path}", fault.message)
-                for fault in self.single(numbered_judgement.number).check(numbered_judgement)
+                for fault in self.single(judgement.number).check(judgement)
             ]
         return issues
 

@@ -32,35 +32,30 @@ def parts_of(label: str) -> tuple[str, ...]:
     Words from the first preposition or verb after the list belong to all of its parts, and so does the last noun
     where a part before is an adjective. A label that is no plain list at its beginning is returned as it is.
     """
-    found = _LIST.split(label)
-    if len(found) < 2 or len(_OR.findall(label)) != 1 or not label.isprintable():
+    if len(_OR.findall(label)) != 1 or not label.isprintable():
         return (label,)
-    *before, last = (part.strip() for part in found)
-    words = last.split()
-    end = _end_of_noun(words)
-    if end is None or any(
-        not one or _end_of_noun(one.split()) != len(one.split()) for one in before
-    ):
+    *before, last = (part.split() for part in _LIST.split(label))
+    end = _end_of_noun(last)
+    if end is None or not all(part and _end_of_noun(part) == len(part) for part in before):
         return (label,)
-    noun, tail = words[:end], words[end:]
-    parts = []
-    for one in before:
-        own = one.split()
-        is_adjective = len(noun) > 1 and _ADJECTIVE.search(own[-1].casefold()) is not None
-        parts.append([*own, *noun[-1:]] if is_adjective else own)
-    told = [" ".join([*part, *tail]) for part in (*parts, noun)]
-    return tuple(dict.fromkeys(part[0].upper() + part[1:] for part in told))
+    noun, tail = last[:end], last[end:]
+    kinds = []
+    for part in before:
+        is_adjective = len(noun) > 1 and _ADJECTIVE.search(part[-1].casefold()) is not None
+        kinds.append([*part, noun[-1]] if is_adjective else part)
+    labels = [" ".join([*kind, *tail]) for kind in (*kinds, noun)]
+    return tuple(dict.fromkeys(text[0].upper() + text[1:] for text in labels))
 
 
 def _end_of_noun(words: list[str]) -> int | None:
     """Return the number of words before the first preposition or verb; `None` if there is none or it is unclear."""
-    for place, word in enumerate(words):
-        plain = word.casefold()
-        if plain in _SMALL:
-            return place or None
-        if place and plain.endswith(("ing", "ed")):
-            following = words[place + 1 : place + 2]
-            return place if not following or following[0].casefold() in _SMALL else None
+    for index, word in enumerate(words):
+        folded = word.casefold()
+        if folded in _SMALL:
+            return index or None
+        if index and folded.endswith(("ing", "ed")):
+            is_last = index + 1 == len(words)
+            return index if is_last or words[index + 1].casefold() in _SMALL else None
     return len(words) or None
 
 
@@ -71,4 +66,4 @@ _ADJECTIVE = re.compile(
     r"-down$|ed$|en$|ing$|ous$|ful$|less$|ive$|ic$|(?<!anim)(?<!sign)al$|^(wild|loose|lost|dead|low|high|large|small|big|heavy|thick|dense|wet|"
     r"dry|slow|fast|old|young|empty)$"
 )
-"""Words that say what kind of thing the noun after them is; "animal" and the like are no such words."""
+"""Adjectives by their endings, and some others; "animal" and "signal" are nouns."""

@@ -96,11 +96,15 @@ class PlaceScenario(Prompt[PlacedScenario]):
         node = by_id.get(answer.node or "")
         if node is None:
             return [Issue("node", f"{answer.node!r} is not an id of the tree")]
+        return [*self._node_issues(answer, node), *label_issues(answer, self.nodes)]
+
+    def _node_issues(self, answer: PlacedScenario, node: Node) -> list[Issue]:
+        """Return faults if the node that an answer names does not go with its decision."""
         issues = []
         if node.id == ROOT:
             issues.append(Issue("node", "name a node below the root"))
         is_class = node.parent == ROOT
-        inner = {n.parent for n in self.nodes} | {item.id for item in self.hidden}
+        inner = {other.parent for other in self.nodes} | {branch.id for branch in self.hidden}
         is_leaf = node.id not in inner and not is_class
         needs_leaf = answer.decision in ("covered", "split") or (
             answer.decision == "broaden" and self.procedure == "closed"
@@ -119,34 +123,33 @@ class PlaceScenario(Prompt[PlacedScenario]):
             issues.append(Issue("node", message))
         if answer.decision == "add" and is_class and answer.category is None:
             issues.append(Issue("category", "a leaf hangs below a family: name a new one"))
-        return [*issues, *label_issues(answer, self.nodes)]
+        return issues
 
 
 def label_issues(answer: PlacedScenario, nodes: Iterable[Node]) -> list[Issue]:
     """Return the faults of an answer's labels: malformed, or already taken by one of the nodes."""
     if answer.decision not in ("broaden", "add", "split"):
         return []
-    wanted = [("label", answer.label)]
+    labels = {"label": one_line(answer.label or "")}
     if answer.decision == "split" or (answer.decision == "add" and answer.category is not None):
-        wanted.append(("category", answer.category))
-    found = {name: one_line(label or "") for name, label in wanted}
+        labels["category"] = one_line(answer.category or "")
     taken = {same_words(node.label): node.id for node in nodes}
     issues = []
-    for name, label in found.items():
+    for name, label in labels.items():
         if fault := kind_fault(label):
             issues.append(Issue(name, fault))
         elif same_words(label) in taken:
             message = f"the tree has a node {label!r} already: [{taken[same_words(label)]}]"
             issues.append(Issue(name, message))
-    if len(set(map(same_words, found.values()))) < len(found):
+    if len(set(map(same_words, labels.values()))) < len(labels):
         issues.append(Issue("category", "leaf and family need different labels"))
     return issues
 
 
 @lru_cache(maxsize=8)
 def _outline(nodes: tuple[Node, ...], hidden: tuple[Hidden, ...]) -> str:
-    """Return a tree as indented lines, which both turns of a question ask for."""
-    left_out = {item.id: item.leaves for item in hidden}
+    """Return a tree as indented lines; kept, since the instructions and the question both render the variables."""
+    left_out = {branch.id: branch.leaves for branch in hidden}
     return "\n".join(
         f"{'  ' * depth}- {node.label} [{node.id}]"
         + (f" (+{left_out[node.id]})" if node.id in left_out else "")

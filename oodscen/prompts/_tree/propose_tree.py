@@ -18,7 +18,7 @@ from oodscen.prompts._tree.classify_examples import (
 from oodscen.prompts._tree.kind_labels import kind_fault
 from oodscen.tree._labels import CLASSES, same_words
 
-MAX_DEPTH = 12
+MAX_PROPOSED_DEPTH = 12
 """Largest number of edges from the root of a proposed tree to a leaf."""
 
 
@@ -72,31 +72,38 @@ class ProposeTree(Prompt[ProposedTree]):
 
     def check(self, answer: ProposedTree) -> list[Issue]:
         """Return faults unless the list is a tree of the right size below the two classes."""
+        return self._list_issues(answer) or self._tree_issues(answer)
+
+    def _list_issues(self, answer: ProposedTree) -> list[Issue]:
+        """Return faults of the single nodes: numbers, parents, labels, examples and depths."""
         issues = []
-        known: dict[int, ProposedNode] = {}
         depths: dict[int, int] = {}
         for index, node in enumerate(answer.nodes):
             path = f"nodes[{index}]"
-            if node.number in known:
+            if node.number in depths:
                 issues.append(Issue(f"{path}.number", f"{node.number} is taken"))
             if index == 0 and node.parent != 0:
                 issues.append(
                     Issue(f"{path}.parent", "the first node is the root, its parent is 0")
                 )
-            if index > 0 and node.parent not in known:
+            if index > 0 and node.parent not in depths:
                 issues.append(Issue(f"{path}.parent", f"no node {node.parent} is listed before"))
             if fault := kind_fault(one_line(node.label)):
                 issues.append(Issue(f"{path}.label", fault))
             if node.example is not None and not 1 <= node.example <= len(self.asked.given):
                 issues.append(Issue(f"{path}.example", f"there is no example {node.example}"))
-            known[node.number] = node
             depths[node.number] = depths.get(node.parent, -1) + 1
-            if depths[node.number] == MAX_DEPTH + 1:
+            if depths[node.number] == MAX_PROPOSED_DEPTH + 1:
                 issues.append(
-                    Issue(f"{path}.parent", f"deeper than {MAX_DEPTH} levels below the root")
+                    Issue(
+                        f"{path}.parent", f"deeper than {MAX_PROPOSED_DEPTH} levels below the root"
+                    )
                 )
-        if issues:
-            return issues
+        return issues
+
+    def _tree_issues(self, answer: ProposedTree) -> list[Issue]:
+        """Return faults of the whole: its classes, its size, and labels that occur twice."""
+        issues = []
         root = answer.nodes[0].number if answer.nodes else 0
         below = [node.label.casefold() for node in answer.nodes if node.parent == root]
         if sorted(below) != sorted(name.casefold() for name in CLASSES):
@@ -105,8 +112,10 @@ class ProposeTree(Prompt[ProposedTree]):
             issues.append(
                 Issue("nodes", f"{len(answer.nodes)} nodes; exactly {self.nodes} are wanted")
             )
-        repeated = [
-            k for k, n in Counter(same_words(n.label) for n in answer.nodes).items() if n > 1
+        counts = Counter(same_words(node.label) for node in answer.nodes)
+        issues += [
+            Issue("nodes", f"the label {label!r} occurs twice")
+            for label, count in counts.items()
+            if count > 1
         ]
-        issues += [Issue("nodes", f"the label {label!r} occurs twice") for label in repeated]
         return issues

@@ -4,8 +4,8 @@ import pytest
 from oodscen_carla import load_catalogue
 
 from oodscen._paper import ATTESTED
-from oodscen.author._feasibility import realise
 from oodscen.author._knowledge.loading import load_knowledge
+from oodscen.author._realisation import realise
 from oodscen.data._catalogue import Catalogue
 from oodscen.prompts._digest import CatalogueDigest
 

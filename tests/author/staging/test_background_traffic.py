@@ -3,7 +3,7 @@ import pytest
 
 from oodscen.author._knowledge.base import AmbientTraffic, Recipe, RecipeTrigger
 from oodscen.author._knowledge.loading import load_knowledge
-from oodscen.author._staging.background_traffic import company, expected_decision_s
+from oodscen.author._staging.background_traffic import expected_decision_s, surrounding_traffic
 from oodscen.author._staging.layout import Layout
 from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger
 from oodscen.prompts._digest import CatalogueDigest, MapLine
@@ -45,7 +45,7 @@ def drawn(line: MapLine, lane: int, *actors: Actor, free: int = 0) -> dict[str, 
     rng = np.random.default_rng(0)
     layout = Layout(DIGEST, line, RECIPE, rng, 10.0, 1.0, ego_lane=lane, escape=free)
     decision_s = expected_decision_s(DECISION, actors, layout.speed)
-    found = company((LEFT, RIGHT, ONCOMING), layout, actors, decision_s)
+    found = surrounding_traffic((LEFT, RIGHT, ONCOMING), layout, actors, decision_s)
     return {one.id: one for one in found}
 
 

@@ -4,8 +4,8 @@ import pytest
 
 from oodscen._seeding import stream
 from oodscen.author._builtin import BuiltinAuthor
-from oodscen.author._feasibility import realise
 from oodscen.author._knowledge.base import Knowledge
+from oodscen.author._realisation import realise
 from oodscen.author._writing.compose import Composer
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene

@@ -5,7 +5,7 @@ import pytest
 from oodscen._seeding import stream
 from oodscen._text import folded_words
 from oodscen.author._knowledge.base import HazardKind, Knowledge
-from oodscen.author._staging.aside import told_aside
+from oodscen.author._staging.aside import event_aside
 from oodscen.author._writing.compose import Composer
 
 
@@ -76,7 +76,7 @@ def test_texts_follow_from_the_stream(knowledge: Knowledge) -> None:
 def test_few_texts_are_varied_ones(knowledge: Knowledge) -> None:
     for hazard in knowledge.hazards:
         texts = written(knowledge, hazard, len(hazard.events))
-        wordings = {event: {event, told_aside(event) or event} for event in hazard.events}
+        wordings = {event: {event, event_aside(event) or event} for event in hazard.events}
         told = {
             event
             for event in hazard.events

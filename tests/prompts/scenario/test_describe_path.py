@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen._text import CHARACTERS_PER_TOKEN
-from oodscen.prompts._scenario.describe_path import SHOWN, DescribePath, Descriptions
+from oodscen.prompts._scenario.describe_path import SHOWN_TOKENS, DescribePath, Descriptions
 
 PATH = ("OOD", "Box on the road")
 texts = st.lists(st.text("abc ", min_size=1, max_size=600), max_size=30).map(tuple)
@@ -16,7 +16,7 @@ def test_the_last_texts_are_shown_within_bounds(avoid):
     shown = DescribePath(path=PATH, count=1, avoid=avoid).variables()["shown"]
     assert shown == avoid[len(avoid) - len(shown) :]
     assert bool(shown) == bool(avoid)
-    room = SHOWN * CHARACTERS_PER_TOKEN
+    room = SHOWN_TOKENS * CHARACTERS_PER_TOKEN
     assert len(shown) <= 1 or sum(map(len, shown)) <= room
     assert len(shown) == len(avoid) or sum(map(len, avoid[-len(shown) - 1 :])) > room
 
