@@ -8,7 +8,7 @@ from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.judging._drive_board import drives_and_passes, is_critical, path_of, paths_of
-from oodscen.judging._items import Floats, Mask
+from oodscen.judging._items import Floats, Mask, last_by
 from oodscen.judging._leaderboard.requirements import (
     ALPHA,
     Bar,
@@ -36,11 +36,12 @@ def drive_requirements(
 ) -> list[RequirementResult]:
     """Return the grade of every driver, in order of their names, by at least one bar of `DRIVE_FIGURES`.
 
-    A drive that failed or is inconclusive counts as a missing answer: as wrong for "meets", as right for "fails".
+    A drive that failed or is inconclusive counts as a missing answer: as wrong for "meets", as right for "fails". The
+    last result of a driver in a scene replaces earlier ones.
     """
     paths = paths_of(scenarios)
     grouped: dict[str, list[DriveResult]] = {}
-    for drive in drives:
+    for drive in last_by(drives, lambda drive: (drive.driver, drive.scene_id)):
         grouped.setdefault(drive.driver, []).append(drive)
     level = ALPHA / max(len(grouped), 1)
     results = []

@@ -61,13 +61,14 @@ class Items:
     """[n] items in which keeping the speed is safe with enough margin."""
 
     @classmethod
-    def of(cls, episodes: Sequence[Episode], known: Mapping[str, "Scenario | AnswerKey"]) -> Self:
-        """Return the items of a study; failed episodes are skipped.
+    def of(cls, episodes: Iterable[Episode], truths: Mapping[str, "Scenario | AnswerKey"]) -> Self:
+        """Return the items of a study; failed episodes are skipped, and the last episode of an item counts.
 
-        `known` are the scenarios or keys that give the leaf and the path of each scene, by its id.
+        `truths` are the scenarios or keys that give the leaf and the path of each scene, by its id.
         """
-        ran = [episode for episode in episodes if episode.status == "ok"]
-        sources = [known.get(scene_of(episode.scene_id)) for episode in ran]
+        latest = last_by(episodes, lambda episode: episode.scene_id)
+        ran = [episode for episode in latest if episode.status == "ok"]
+        sources = [truths.get(scene_of(episode.scene_id)) for episode in ran]
         paths = [source.path if source else () for source in sources]
         leaves = [
             source.leaf if source and source.leaf else scene_of(episode.scene_id).rpartition("-")[0]

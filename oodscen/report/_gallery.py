@@ -15,6 +15,7 @@ from oodscen.data._pairing import demand_id, is_ordinary, twin_id
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import DUSK_DEG, FOG_M, Scene, Weather
 from oodscen.data._verdict import Verdict
+from oodscen.errors import UnknownComponent, UsageError
 from oodscen.judging._leaderboard.standings import outcome_of
 from oodscen.report import _phrasing as words
 from oodscen.report._charts.canvas import signed
@@ -118,7 +119,7 @@ class _Gallery:
         """Return the ordinary twin of a scene, if it was simulated."""
         episode, staged = self._episodes.get(name), None
         if scene is not None and episode is not None and episode.decision_s is not None:
-            with suppress(ValueError):
+            with suppress(UsageError, ValueError):
                 staged = scene.twin(episode.decision_s)
         return self._ordinary(name, (scenario.ordinary or "") if scenario else "", staged)
 
@@ -204,13 +205,21 @@ def _frames(episode: Episode, folder: Path) -> list[Row]:
         return []
     times = episode.frame_times_s
     rows = []
-    for moment in in_order(episode.frames or MOMENTS):
+    for moment in _moments(episode):
         found = picture(folder, episode.frames.get(moment))
         caption = f"{moment} · {seconds(times[moment])}" if moment in times else moment
         rows.append(
             {"moment": moment, "caption": caption, "href": found.href, "problem": found.problem}
         )
     return rows
+
+
+def _moments(episode: Episode) -> tuple[str, ...]:
+    """Return the moments of an episode's frames in order of time; if one is no moment, all as they were recorded."""
+    try:
+        return in_order(episode.frames or MOMENTS)
+    except UnknownComponent:
+        return tuple(episode.frames)
 
 
 def _outcomes(episode: Episode, names: Mapping[str, str]) -> list[Row]:

@@ -231,7 +231,7 @@ def make_printable(value: Any) -> Any:
 def _sizes(config: Mapping[str, Any]) -> list[str]:
     sizes = config.get("sets")
     numbers = sizes if isinstance(sizes, list) else [10, 100, 1000]
-    return [str(size) for size in numbers if isinstance(size, int)]
+    return [str(size) for size in numbers if isinstance(size, int) and not isinstance(size, bool)]
 
 
 def _object(store: Store, name: str, found: Material) -> dict[str, Any]:

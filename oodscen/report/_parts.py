@@ -85,7 +85,8 @@ def undecided(study: Study, found: Material) -> Variables | None:
 def _tried(line: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
     """Return the attempted fixes by the reason why they failed, the most frequent reason first."""
     by_why: dict[str, list[str]] = {}
-    for fix in line.get("tried") or ():
+    fixes = line.get("tried")
+    for fix in fixes if isinstance(fixes, list) else ():
         if isinstance(fix, Mapping):
             by_why.setdefault(str(fix.get("why", "")), []).append(str(fix.get("how", "")))
     return sorted(by_why.items(), key=lambda item: -len(item[1]))

@@ -55,6 +55,13 @@ def test_what_was_tried_is_said_for_every_undecided_scene(tmp_path):
     assert not page.xpath(".//script")
 
 
+@pytest.mark.parametrize("tried", [5, "abc", {}, [1], None])
+def test_attempts_of_another_form_are_none(tmp_path, tried):
+    scene = episode("a-001", "stop", "keep_speed")
+    page = drawn(tmp_path, scene, lines=[{"id": "a-001", "tried": tried}])
+    assert "not on record" in page.xpath("string(.//tbody)")
+
+
 @pytest.mark.parametrize(("count", "said"), [(1, "In 1 scene every"), (2, "In 2 scenes every")])
 def test_one_scene_is_spoken_of_as_one(tmp_path, count, said):
     alike = [episode(f"a-{i}", "stop", "keep_speed") for i in range(count)]

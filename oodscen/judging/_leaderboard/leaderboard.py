@@ -50,12 +50,14 @@ def leaderboard(
         seed: Seed of the resampling.
     """
     seed_number(seed)
-    found = last_by(episodes, lambda one: one.scene_id)
-    ran = [
-        episode for episode in last_by(whole, lambda one: one.scene_id) if episode.status == "ok"
+    episodes = list(episodes)
+    items = Items.of(episodes, {scenario.id: scenario for scenario in scenarios})
+    whole_ran = [
+        episode
+        for episode in last_by(whole, lambda episode: episode.scene_id)
+        if episode.status == "ok"
     ]
-    seen = {episode.scene_id for episode in ran if episode.hazard_visible}
-    items = Items.of(found, {scenario.id: scenario for scenario in scenarios})
+    seen = {episode.scene_id for episode in whole_ran if episode.hazard_visible}
     study = SharedValues(
         items,
         Resampler(items.clusters, seed=seed),
@@ -68,7 +70,7 @@ def leaderboard(
     sheets = {key: AnswerColumns.of(items, given) for key, given in grouped.items()}
     rows = [standing(study, sheets[key], given) for key, given in grouped.items()]
     standings = with_gains(items, study.resampler, sorted(rows, key=_rank), sheets)
-    calls = (audit.best_calls(found) if audit else None) or rule_calls(items)
+    calls = (audit.best_calls(episodes) if audit else None) or rule_calls(items)
     asked = {one.scene_id for given in grouped.values() for one in given}
     shortcut = [verdict for verdict in shortcut_verdicts(items, calls) if verdict.scene_id in asked]
     floor = None
@@ -94,7 +96,7 @@ def leaderboard(
             ],
         ),
         judge=_judge(grouped.values()),
-        whole=len(ran),
+        whole=len(whole_ran),
         whole_shown=len(seen),
         actions=_tallies(items),
         standings=tuple(standings),

@@ -145,7 +145,7 @@ def requirements(
 
     `episodes` are those of scenes and ordinary drives; `bars` holds at least one.
     """
-    items = Items.of(list(episodes), {scenario.id: scenario for scenario in scenarios})
+    items = Items.of(episodes, {scenario.id: scenario for scenario in scenarios})
     grouped: dict[str, list[Verdict]] = {}
     for verdict in verdicts:
         is_graded = verdict.kind == "model" and not is_without_pictures(verdict.model)

@@ -12,7 +12,7 @@ from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.errors import MissingExtra, StudyError
-from oodscen.judging._items import Items, Mask, Ratio
+from oodscen.judging._items import Items, Mask, Ratio, last_by
 from oodscen.judging._leaderboard.rows import Estimate
 from oodscen.judging._shortcuts import facts
 from oodscen.judging._shortcuts.rules import Guess, folds_of, is_audited
@@ -97,12 +97,12 @@ def _cell(found: Estimate, form: str) -> str:
 
 
 def source(episodes: Iterable[Episode]) -> str:
-    """Return the digest of the episodes that an audit depends on: those that are judged."""
-    found = list(episodes)
-    unseen = {episode.scene_id for episode in found if episode.is_below_floor}
+    """Return the digest of the episodes that an audit depends on: those that are judged, the last of every item."""
+    latest = last_by(episodes, lambda episode: episode.scene_id)
+    unseen = {episode.scene_id for episode in latest if episode.is_below_floor}
     rows = sorted(
         (episode.id, episode.status, episode.trace_sha256, episode.made_from)
-        for episode in found
+        for episode in latest
         if scene_of(episode.scene_id) not in unseen
     )
     return digest(rows)
@@ -124,7 +124,7 @@ def audit(
         StudyError: If fewer than two paths have a scene with an ordinary drive.
         MissingExtra: If scikit-learn or OpenCV is not installed.
     """
-    items = Items.of(list(episodes), {scenario.id: scenario for scenario in scenarios})
+    items = Items.of(episodes, {scenario.id: scenario for scenario in scenarios})
     there = is_audited(items)
     rows: list[int] = np.flatnonzero(there).tolist()
     clusters = [items.clusters[row] for row in rows]

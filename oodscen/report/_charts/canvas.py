@@ -5,8 +5,8 @@ the same classes the colours of the light theme.
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
-from itertools import groupby
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import count, groupby
 from typing import TYPE_CHECKING, Any
 from xml.etree.ElementTree import Element, SubElement, tostring
 
@@ -230,9 +230,16 @@ def linear(low: float, high: float, start: float, end: float) -> Callable[[float
 def whole_axis(low: int, high: int) -> tuple[int, int, int]:
     """Return round bounds and a round step for an axis of whole numbers."""
     span = max(high - low, 1)
-    step = next(s for s in (1, 2, 5, 10, 20, 25, 50, 100, 200, 250, 500, 10**9) if span / s <= 4)
+    step = next(step for step in _whole_steps() if span / step <= 4)
     bottom = low // step * step
     return bottom, max(-(-high // step) * step, bottom + step), step
+
+
+def _whole_steps() -> Iterator[int]:
+    """Yield the round steps of an axis of whole numbers: 1, 2, 5, 10, 20, 25, 50, 100, 200, 250 ..."""
+    yield from (1, 2, 5)
+    for power in count(1):
+        yield from (10**power, 2 * 10**power, 25 * 10 ** (power - 1), 5 * 10**power)
 
 
 def px(value: float) -> str:
