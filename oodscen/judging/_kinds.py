@@ -7,7 +7,8 @@ from itertools import pairwise
 
 from oodscen._seeding import stream
 from oodscen.data._scenario import Scenario
-from oodscen.judging._aspects.concepts import seen_label, visible_naming
+from oodscen.judging._aspects.concepts import seen_label
+from oodscen.judging._aspects.naming import visible_naming
 from oodscen.judging._references import AspectOption
 
 LISTED = 7

@@ -13,8 +13,8 @@ from oodscen.errors import AnswerError, ContentFiltered, LLMTimeout, ModelSkippe
 from oodscen.judging._aspects.matching import score_naming
 from oodscen.judging._aspects.opinions import (
     Opinion,
+    ask_opinion,
     is_open,
-    opinion,
     opinion_id,
     rescore_verdict,
 )
@@ -156,7 +156,7 @@ def score_answers(key: AnswerKey, given: GivenAnswers, judge: LLM | None = None)
     )
     if judge is None or not is_open(verdict):
         return verdict
-    found = opinion(judge, verdict.aspect, key.path, key.visible)
+    found = ask_opinion(judge, verdict.aspect, key.path, key.visible)
     return rescore_verdict(verdict, key.path, {found.id: found}, found.judge, key.visible)
 
 
