@@ -11,7 +11,7 @@ from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.judging._kinds import Kinds
-from oodscen.judging._questions import Shown, aspect_options
+from oodscen.judging._questions import ShownDrive, aspect_options
 from oodscen.judging._references import AspectOption
 from oodscen.judging._scoring import AnswerKey, Truth
 from oodscen.judging._selection import choose_items
@@ -50,9 +50,9 @@ class AskedDrive:
         return frames_of(self.store, episode.frames, episode.file_sha256, self.camera)
 
     @property
-    def shown(self) -> Shown:
+    def shown(self) -> ShownDrive:
         """The frames in order, and the facts that go with them."""
-        return Shown.of(self.episode, self.frames)
+        return ShownDrive.of(self.episode, self.frames)
 
     @property
     def key(self) -> AnswerKey:
