@@ -123,9 +123,9 @@ class Oracle(CaseAnswerer):
 class Blind(CaseAnswerer):
     """Sees the questions but no picture, and gives the answers that are most often right.
 
-    It calls everything OOD with a confidence of one half, names the most frequent leaf of the other paths, and
-    chooses the action that is most often safe in the scenes and twins of other paths. This is the score within
-    reach of a model that has read about the benchmark and never looks.
+    It calls everything OOD with a confidence of one half, names the most frequent leaf of the other paths, picks the
+    most frequent leaf of those in the list, and chooses the action that is most often safe in the scenes and twins
+    of other paths. This is the score within reach of a model that has read about the benchmark and never looks.
 
     Args:
         episodes: Episodes of the study, for the prior.
@@ -148,7 +148,7 @@ class Blind(CaseAnswerer):
             self._count[leaf] += not episode.is_ordinary
 
     def judge(self, case: Case) -> Answers:
-        """Return the same answers everywhere, up to the prior from the other paths."""
+        """Return the same answers everywhere, up to the list and the prior from the other paths."""
         safe_on_path = self._safe_of.get(case.leaf, Counter[str]())
         action = max(ACTIONS, key=lambda name: self._safe[name] - safe_on_path[name])
         others = [leaf for leaf in sorted(self._count) if leaf != case.leaf]
