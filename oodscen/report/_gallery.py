@@ -33,25 +33,27 @@ _SLIPPERY = 0.5
 Row = dict[str, Any]
 
 
-def payload(found: Material, folder: Path) -> Row:
+def payload(material: Material, folder: Path) -> Row:
     """Return the data about the scenes for the page's script.
 
     Args:
-        found: The study.
+        material: The study.
         folder: Folder of the study, which holds its frames.
     """
-    gallery = _Gallery(found, folder)
+    gallery = _Gallery(material, folder)
     rows = [gallery.scene(name) for name in gallery.names]
     order = {leaf: index for index, leaf in enumerate(gallery.leaves)}
     rows.sort(key=lambda row: order[row["leaf"]])
-    tree = found.trees.get("simulatable")
+    tree = material.trees.get("simulatable")
     attested = {leaf.id for leaf in tree.leaves if leaf.attested} if tree else set()
     return {
         "leaves": {
             leaf: {"path": list(gallery.leaves[leaf][1:]), "attested": leaf in attested}
             for leaf in dict.fromkeys(row["leaf"] for row in rows)
         },
-        "models": [{"name": name, "kind": kind} for name, kind in _kinds(found.verdicts).items()],
+        "models": [
+            {"name": name, "kind": kind} for name, kind in _kinds(material.verdicts).items()
+        ],
         "scenes": rows,
     }
 
@@ -59,24 +61,24 @@ def payload(found: Material, folder: Path) -> Row:
 class _Gallery:
     """A study's scenes and ordinary drives, with all that is known of each, by id."""
 
-    def __init__(self, found: Material, folder: Path) -> None:
+    def __init__(self, material: Material, folder: Path) -> None:
         self._folder = folder
-        self._scenarios = by_key(found.scenarios, lambda row: row.id)
-        self._scenes = by_key(found.scenes, lambda row: row.id)
-        self._demands = by_key(found.demands, lambda row: row.id)
-        self._episodes = by_key(found.episodes, lambda row: row.scene_id)
+        self._scenarios = by_key(material.scenarios, lambda row: row.id)
+        self._scenes = by_key(material.scenes, lambda row: row.id)
+        self._demands = by_key(material.demands, lambda row: row.id)
+        self._episodes = by_key(material.episodes, lambda row: row.scene_id)
         self._failed = {
             failure.id: f"{_STAGES[failure.stage]} failed: {failure.error}"
-            for failure in found.failures
+            for failure in material.failures
             if failure.stage in _STAGES
         }
-        self._scores, self._band = _scores(found), _band(found.config)
-        places = {name: index for index, name in enumerate(_kinds(found.verdicts))}
+        self._scores, self._band = _scores(material), _band(material.config)
+        places = {name: index for index, name in enumerate(_kinds(material.verdicts))}
         self._answers: dict[str, list[Row]] = {}
-        for verdict in found.verdicts:
+        for verdict in material.verdicts:
             row = _answer(verdict, places[_name(verdict)])
             self._answers.setdefault(verdict.scene_id, []).append(row)
-        tree = found.trees.get("simulatable")
+        tree = material.trees.get("simulatable")
         self.leaves: dict[str, tuple[str, ...]] = dict(tree.paths) if tree else {}
         """The paths of the simulatable tree in order, followed by those of scenes without a leaf in it."""
 
@@ -288,12 +290,12 @@ def _cut(text: str) -> str:
     return text if len(text) <= _LONGEST else f"{text[:_LONGEST]} … ({len(text):,} characters)"
 
 
-def _scores(found: Material) -> dict[str, tuple[float, str]]:
+def _scores(material: Material) -> dict[str, tuple[float, str]]:
     """Return OOD-ness and nearest ordinary text by scenario, if scores and texts match."""
-    report = found.metrics and found.metrics.sets.get("simulatable")
-    if not report or len(report.oodness.per_text) != len(found.scenarios):
+    report = material.metrics and material.metrics.sets.get("simulatable")
+    if not report or len(report.oodness.per_text) != len(material.scenarios):
         return {}
-    own = zip(found.scenarios, report.oodness.per_text, report.oodness.nearest, strict=True)
+    own = zip(material.scenarios, report.oodness.per_text, report.oodness.nearest, strict=True)
     return {scenario.id: (value, near.text) for scenario, value, near in own}
 
 

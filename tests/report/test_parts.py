@@ -8,7 +8,7 @@ from oodscen.data._additions import Addition
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._scenario import Scenario
-from oodscen.report._leaderboard import board
+from oodscen.report._leaderboard import study_board
 from oodscen.report._load import Material
 from oodscen.report._opening import opening
 from oodscen.report._parts import covered, driving, restored, undecided
@@ -135,7 +135,7 @@ def test_a_mean_over_some_of_the_drives_says_over_how_many(tmp_path):
 
 def test_the_opening_and_the_part_share_one_board(tmp_path):
     found = Material(drives=[result("mine", "leaf-1", passed=True, progress=0.9)])
-    opened = opening(found, board(found))
+    opened = opening(found, study_board(found))
     rows = driving(Study(tmp_path), found)["rows"]
     assert rows is found.drive_board.rows
     assert opened.sentences[:-1] == tuple(found.drive_board.sentences())
