@@ -73,10 +73,10 @@ class _Gallery:
             if failure.stage in _STAGES
         }
         self._scores, self._band = _scores(material), _band(material.config)
-        places = {name: index for index, name in enumerate(_kinds(material.verdicts))}
+        index_of = {name: index for index, name in enumerate(_kinds(material.verdicts))}
         self._answers: dict[str, list[Row]] = {}
         for verdict in material.verdicts:
-            row = _answer(verdict, places[_name(verdict)])
+            row = _answer(verdict, index_of[_name(verdict)])
             self._answers.setdefault(verdict.scene_id, []).append(row)
         tree = material.trees.get("simulatable")
         self.leaves: dict[str, tuple[str, ...]] = dict(tree.paths) if tree else {}
@@ -85,8 +85,8 @@ class _Gallery:
     @property
     def names(self) -> list[str]:
         """Ids of everything that was to become a scene, in order."""
-        known = (*self._scenarios, *self._scenes, *self._episodes, *self._failed)
-        return [name for name in dict.fromkeys(known) if not is_ordinary(name)]
+        names = (*self._scenarios, *self._scenes, *self._episodes, *self._failed)
+        return [name for name in dict.fromkeys(names) if not is_ordinary(name)]
 
     def scene(self, name: str) -> Row:
         """Return a scene with its ordinary drives."""
@@ -175,14 +175,17 @@ def choice(episode: Episode) -> str:
 def conditions(weather: Weather) -> list[str]:
     """Return the filter terms that match a weather."""
     sun = weather.sun_elevation_deg
-    found = ["night" if sun <= DUSK_DEG else "twilight" if sun < _LOW_SUN_DEG else "day"]
+    light = "day"
+    if sun < _LOW_SUN_DEG:
+        light = "night" if sun <= DUSK_DEG else "twilight"
+    adverse = []
     if weather.fog_visual_range_m < FOG_M:
-        found.append("fog")
+        adverse.append("fog")
     if weather.precipitation != "none":
-        found.append(weather.precipitation)
+        adverse.append(weather.precipitation)
     if weather.friction <= _SLIPPERY:
-        found.append("slippery road")
-    return found if len(found) > 1 else [*found, "clear"]
+        adverse.append("slippery road")
+    return [light, *(adverse or ["clear"])]
 
 
 def _name(verdict: Verdict) -> str:
@@ -208,10 +211,10 @@ def _frames(episode: Episode, folder: Path) -> list[Row]:
     times = episode.frame_times_s
     rows = []
     for moment in _moments(episode):
-        found = picture(folder, episode.frames.get(moment))
+        frame = picture(folder, episode.frames.get(moment))
         caption = f"{moment} · {seconds(times[moment])}" if moment in times else moment
         rows.append(
-            {"moment": moment, "caption": caption, "href": found.href, "problem": found.problem}
+            {"moment": moment, "caption": caption, "href": frame.href, "problem": frame.problem}
         )
     return rows
 
@@ -253,8 +256,11 @@ def _sketch(sketch: Sketch, names: Mapping[str, str]) -> Row:
         },
         "names": {name: names[name] for name in sketch.bodies if name in names},
         "paths": {action: list(path) for action, path in sketch.paths.items()},
-        "ends": {action: {name: list(end) for name, end in found.items()} for action, found in sketch.ends.items()},
-    }  # fmt: skip
+        "ends": {
+            action: {name: list(end) for name, end in ends.items()}
+            for action, ends in sketch.ends.items()
+        },
+    }
 
 
 def _answer(verdict: Verdict, model: int) -> Row:
@@ -295,8 +301,8 @@ def _scores(material: Material) -> dict[str, tuple[float, str]]:
     report = material.metrics and material.metrics.sets.get("simulatable")
     if not report or len(report.oodness.per_text) != len(material.scenarios):
         return {}
-    own = zip(material.scenarios, report.oodness.per_text, report.oodness.nearest, strict=True)
-    return {scenario.id: (value, near.text) for scenario, value, near in own}
+    rows = zip(material.scenarios, report.oodness.per_text, report.oodness.nearest, strict=True)
+    return {scenario.id: (value, nearest.text) for scenario, value, nearest in rows}
 
 
 def _band(config: Mapping[str, Any]) -> tuple[float, float] | None:
@@ -365,11 +371,13 @@ def _facts(episode: Episode, names: Mapping[str, str]) -> list[list[str]]:
 
 
 def _sighting(episode: Episode, names: Mapping[str, str]) -> str:
-    if (look := episode.sighting) is None:
+    sighting = episode.sighting
+    if sighting is None:
         return ""
-    name = names.get(look.actor, words.plain_words(look.actor))
-    faults = f"; not judged, since it is {' and '.join(look.faults)}" if look.faults else ""
-    return f"{name}, {look.height_px:g} pixels high in a picture of 480 rows, {look.distance_m:g} m away{faults}"
+    name = names.get(sighting.actor, words.plain_words(sighting.actor))
+    size = f"{sighting.height_px:g} pixels high in a picture of 480 rows"
+    faults = f"; not judged, since it is {' and '.join(sighting.faults)}" if sighting.faults else ""
+    return f"{name}, {size}, {sighting.distance_m:g} m away{faults}"
 
 
 def _followers(episode: Episode, names: Mapping[str, str]) -> str:

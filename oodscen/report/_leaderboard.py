@@ -209,7 +209,7 @@ def _confusions(material: Material, board: Leaderboard) -> list[Confused]:
                 )
                 for confusion in row.confusions[:_TOP_CONFUSIONS]
             )
-            chart = charts.confusion(order, counts, len(order))
+            chart = charts.confusion(order, counts)
             confused.append(Confused(row.model, chart, tuple(order), top))
     return confused
 

@@ -137,9 +137,9 @@ def _note_unanswered(material: Material) -> None:
     if counted.get("ordinary"):
         largest = max(material.texts, key=int, default="")
         material.failures += [
-            FailedItem("ordinary", one.id, "no ordinary text was written that could be read")
-            for one in (*material.scenarios, *material.texts.get(largest, ()))
-            if one.ordinary is None
+            FailedItem("ordinary", text.id, "no ordinary text was written that could be read")
+            for text in (*material.scenarios, *material.texts.get(largest, ()))
+            if text.ordinary is None
         ]
     rarity = material.metrics.asked if material.metrics else None
     if counted.get("rarity") and rarity:
@@ -190,7 +190,7 @@ def _leave_out_stale(store: Store, material: Material) -> None:
         _note(material, "verdicts.jsonl", f"verdicts cannot be compared with their drives: {why}")
         return
     if stale:
-        ids = {make_printable(one.id) for one in stale}
+        ids = {make_printable(verdict.id) for verdict in stale}
         material.verdicts = [verdict for verdict in material.verdicts if verdict.id not in ids]
         material.are_verdicts_whole = False
         _note(material, "verdicts.jsonl", f"{make_printable(stale_in_words(stale))}; left out here")
@@ -210,10 +210,10 @@ def dig(value: object, *keys: str) -> Any:
 
 def number(value: object, *keys: str) -> float | None:
     """Return a finite number from nested mappings, or `None`."""
-    found = dig(value, *keys)
-    if isinstance(found, bool) or not isinstance(found, int | float):
+    number = dig(value, *keys)
+    if isinstance(number, bool) or not isinstance(number, int | float):
         return None
-    return float(found) if abs(found) < float("inf") else None
+    return float(number) if abs(number) < float("inf") else None
 
 
 def make_printable(value: Any) -> Any:
@@ -257,7 +257,7 @@ def _value(
     try:
         return parse(content)
     except DataError as error:
-        material.gaps[name] = f"{name} cannot be read: {_first(error)}"
+        material.gaps[name] = f"{name} cannot be read: {_first_issue(error)}"
         return None
 
 
@@ -272,15 +272,13 @@ def _sound(lines: Iterable[Row | dict[str, Any]], table: str, material: Material
     for line in lines:
         if isinstance(line, Data):
             rows.append(line)
-            status, error = getattr(line, "status", "ok"), getattr(line, "error", None)
+            if getattr(line, "status", "ok") != "failed":
+                continue
+            name, error = getattr(line, "id", None), getattr(line, "error", None)
         else:
-            status, error = "failed", line.get("error")
-        if status == "failed":
-            name = getattr(line, "id", None) if isinstance(line, Data) else line.get("id")
-            label = f"round {line.round}" if isinstance(line, Round) else str(name or "?")
-            material.failures.append(
-                FailedItem(table, label, str(error or "no reason was recorded"))
-            )
+            name, error = line.get("id"), line.get("error")
+        label = f"round {line.round}" if isinstance(line, Round) else str(name or "?")
+        material.failures.append(FailedItem(table, label, str(error or "no reason was recorded")))
     return rows
 
 
@@ -317,7 +315,7 @@ def _parse(
     lines: Iterable[dict[str, Any]], kind: type[Row], name: str, material: Material
 ) -> Iterator[Row | dict[str, Any]]:
     """Yield rows; a line for a failed item stays plain data."""
-    bad: list[str] = []
+    faults: list[str] = []
     for line in lines:
         if line.get("status") == "failed" and "status" not in kind.model_fields:
             yield line
@@ -325,10 +323,10 @@ def _parse(
         try:
             yield kind.parse(line)
         except DataError as error:
-            bad.append(_first(error))
-            yield {"id": line.get("id"), "error": f"malformed line: {_first(error)}"}
-    if bad:
-        _note(material, name, f"{len(bad)} malformed line(s) in {name}, the first: {bad[0]}")
+            faults.append(_first_issue(error))
+            yield {"id": line.get("id"), "error": f"malformed line: {faults[-1]}"}
+    if faults:
+        _note(material, name, f"{len(faults)} malformed line(s) in {name}, the first: {faults[0]}")
 
 
 def _lines(store: Store, name: str, material: Material) -> Iterator[dict[str, Any]]:
@@ -336,14 +334,15 @@ def _lines(store: Store, name: str, material: Material) -> Iterator[dict[str, An
     content = _bytes(store, name, material)
     if content is None:
         return
-    bad = 0
+    unreadable = 0
     for _, line in object_lines(content):
         if isinstance(line, ValueError):
-            bad += 1
+            unreadable += 1
         else:
             yield dict(make_printable(line))
-    if bad:
-        _note(material, name, f"{bad} line(s) of {name} are not JSON objects and were left out")
+    if unreadable:
+        note = f"{unreadable} line(s) of {name} are not JSON objects and were left out"
+        _note(material, name, note)
 
 
 def _bytes(store: Store, name: str, material: Material) -> bytes | None:
@@ -360,7 +359,7 @@ def _note(material: Material, name: str, message: str) -> None:
     material.gaps[name] = f"{material.gaps[name]}; {message}" if name in material.gaps else message
 
 
-def _first(error: DataError) -> str:
+def _first_issue(error: DataError) -> str:
     return str(error.issues[0]) if error.issues else str(error)
 
 

@@ -89,9 +89,9 @@ def made_to_order(study: Study, material: Material) -> Mapping[str, Any] | None:
         "details": _uses_by_row(material.scenes, _details),
         "states": _uses_by_row(material.scenes, _map_faults),
         "unmade": [
-            (words.plain_words(one.id), one.error or one.reason)
-            for one in unmade
-            if one.error or one.reason
+            (words.plain_words(design.id), design.error or design.reason)
+            for design in unmade
+            if design.error or design.reason
         ],
     }
     if not any(rows.values()):
@@ -123,20 +123,22 @@ def _picture(
     study: Study, material: Material, prop: Prop, uses: Uses, *, is_made: bool
 ) -> FramePicture:
     """Return the picture of a thing by itself, or of the first scene that shows it."""
-    own = picture(study.folder, picture_of(prop.id)) if is_made else FramePicture()
+    portrait = picture(study.folder, picture_of(prop.id)) if is_made else FramePicture()
+    if portrait.href:
+        return portrait
     frames = (
         episode.frames.get("last")
         for episode in material.episodes
         if episode.scene_id in uses.scenes[:1]
     )
-    return own if own.href else picture(study.folder, next(frames, None))
+    return picture(study.folder, next(frames, None))
 
 
 def _facts(prop: Prop, walk: Measured) -> Iterator[str]:
     # The size of a thing of the catalogue is known to its simulator alone.
     if not walk.shipped:
-        own = prop.asset()
-        yield f"{own.length:g} × {own.width:g} × {own.height:g} m"
+        size = prop.asset()
+        yield f"{size.length:g} × {size.width:g} × {size.height:g} m"
     yield f"{prop.mass_kg:g} kg"
     yield prop.touch
     if prop.anchor != "road":
@@ -176,21 +178,22 @@ def _used(
     carried: Callable[[Scene], Iterable[Design]],
 ) -> Iterator[tuple[Design, Uses]]:
     """Yield every design that was made or that scenes carry, once, with the scenes that carry it."""
-    found = {design: Uses() for design in made}
+    uses = {design: Uses() for design in made}
     for scene in scenes:
         for design in carried(scene):
-            found.setdefault(design, Uses()).scenes.append(scene.id)
-    yield from found.items()
+            uses.setdefault(design, Uses()).scenes.append(scene.id)
+    yield from uses.items()
 
 
 def _uses_by_row(
     scenes: Iterable[Scene], rows: Callable[[Scene], Iterable[Row]]
 ) -> dict[Row, Uses]:
-    found: dict[Row, Uses] = {}
+    """Return the scenes that use each row, in the order in which the rows come first."""
+    uses: dict[Row, Uses] = {}
     for scene in scenes:
         for row in dict.fromkeys(rows(scene)):
-            found.setdefault(row, Uses()).scenes.append(scene.id)
-    return found
+            uses.setdefault(row, Uses()).scenes.append(scene.id)
+    return uses
 
 
 def _details(scene: Scene) -> Iterator[Row]:

@@ -86,10 +86,10 @@ def plot(
 
 
 def _distributions(sets: Named, label: str) -> "Figure":
-    known = {name: _numbers(name, values, 1) for name, values in _filled(sets).items()}
+    scores = {name: _numbers(name, values, 1) for name, values in _filled(sets).items()}
     strips = [
         HistogramRow(name, values.tolist(), float(np.mean(values)))
-        for name, values in known.items()
+        for name, values in scores.items()
     ]
     return histogram(strips, what=label).figure()
 
@@ -112,15 +112,15 @@ def _size_curve(sets: Mapping[str, Vectors], *, repeats: int, seed: int) -> "Fig
 
 
 def _embedding_map(sets: Mapping[str, Vectors], *, reference: str | None) -> "Figure":
-    known = {name: _numbers(name, values, 2) for name, values in _filled(sets).items()}
-    if len({values.shape[1] for values in known.values()}) > 1:
+    vectors = {name: _numbers(name, values, 2) for name, values in _filled(sets).items()}
+    if len({values.shape[1] for values in vectors.values()}) > 1:
         raise UsageError("the vectors of the sets have different lengths")
-    if reference is not None and reference not in known:
-        raise UsageError(f"there is no set {reference!r} among {', '.join(known)}")
-    base = np.concatenate(list(known.values())) if reference is None else known[reference]
+    if reference is not None and reference not in vectors:
+        raise UsageError(f"there is no set {reference!r} among {', '.join(vectors)}")
+    base = np.concatenate(list(vectors.values())) if reference is None else vectors[reference]
     mean, axes, share = principal_axes(base)
-    order = sorted(known, key=lambda name: name != reference)
-    clouds = [Cloud(name, ((known[name] - mean) @ axes.T).tolist()) for name in order]
+    order = sorted(vectors, key=lambda name: name != reference)
+    clouds = [Cloud(name, ((vectors[name] - mean) @ axes.T).tolist()) for name in order]
     return cloud_map(clouds, share.tolist(), colour=1 if reference is None else 0).figure()
 
 
@@ -131,16 +131,16 @@ def _numbers(name: str, values: Any, axes: int) -> NDArray[Any]:
         UsageError: If it is anything else.
     """
     try:
-        found = np.asarray(values)
-        is_sound = found.dtype.kind in "iuf" and found.ndim == axes and found.size > 0
-        is_sound = is_sound and bool((np.abs(found) <= _LARGEST).all())
+        numbers = np.asarray(values)
+        is_sound = numbers.dtype.kind in "iuf" and numbers.ndim == axes and numbers.size > 0
+        is_sound = is_sound and bool((np.abs(numbers) <= _LARGEST).all())
     except (TypeError, ValueError):
         is_sound = False
     if not is_sound:
         wanted = "scores" if axes == 1 else "vectors, [n, d]"
         limit = f"all of them finite numbers up to {_LARGEST:g}"
         raise UsageError(f"the set {name!r} must be {wanted}, {limit}")
-    return found if found.dtype.kind == "f" else found.astype(np.float64)
+    return numbers if numbers.dtype.kind == "f" else numbers.astype(np.float64)
 
 
 def _filled(sets: Mapping[str, T]) -> Mapping[str, T]:
