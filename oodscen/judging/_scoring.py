@@ -7,7 +7,8 @@ from typing import Any, Literal, NamedTuple, Self
 from oodscen.data._base import Data
 from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._pairing import is_ordinary, scene_of
-from oodscen.data._scene import Visible
+from oodscen.data._scenario import Scenario
+from oodscen.data._scene import Scene, Visible
 from oodscen.data._verdict import NOTHING, Outcome, Protocol, Verdict, verdict_id
 from oodscen.errors import AnswerError, ContentFiltered, LLMTimeout, ModelSkipped, OodscenError
 from oodscen.judging._aspects.matching import score_naming
@@ -37,6 +38,15 @@ class Truth(NamedTuple):
     leaf: str
     visible: tuple[Visible, ...] = ()
     """Everything that can be seen of the hazard."""
+
+    @classmethod
+    def of(cls, scenario: Scenario | None, scene: Scene | None) -> Self:
+        """Return the truth about a scene and its ordinary drives, as far as its text and the scene are known."""
+        return cls(
+            path=scenario.path if scenario else (),
+            leaf=scenario.leaf if scenario else "",
+            visible=scene.visible if scene else (),
+        )
 
 
 class AnswerKey(Data):
