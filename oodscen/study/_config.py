@@ -241,7 +241,9 @@ class StudyConfig(Data):
             update={
                 "vlms": vlms,
                 "protocols": both,
-                "asked": {name: protocols for name, protocols in asked.items() if protocols != both},
+                "asked": {
+                    name: protocols for name, protocols in asked.items() if protocols != both
+                },
                 "chain": self.chain or other.chain,
                 "rear_view": self.rear_view or other.rear_view,
                 "withheld": tuple(dict.fromkeys((*other.withheld, *self.withheld))),
