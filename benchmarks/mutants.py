@@ -44,7 +44,9 @@ MODULES = {
     ),
     "oodscen/statistics/_intervals.py": ("tests/statistics/test_intervals.py",),
     "oodscen/metrics/_oodness.py": ("tests/metrics/test_oodness.py",),
+    "oodscen/judging/_parsing/members.py": ("tests/judging/parsing",),
     "oodscen/judging/_parsing/reading.py": ("tests/judging/parsing",),
+    "oodscen/judging/_parsing/reasons.py": ("tests/judging/parsing",),
     "oodscen/judging/_parsing/stating.py": ("tests/judging/parsing",),
     "oodscen/judging/_leaderboard/leaderboard.py": ("tests/judging/leaderboard",),
     "oodscen/judging/_leaderboard/standings.py": ("tests/judging/leaderboard",),
@@ -78,8 +80,8 @@ EQUIVALENT: dict[tuple[str, str], str] = {
         "if ((chance is not None) or (decidable.value is not None)):",
     ): "both are known if one decidable scene was answered, or neither is",
     (
-        "oodscen/judging/_parsing/reading.py",
-        "if isinstance(inner, dict) and depth and any(_WRAPPERS.fullmatch(spelt(name)) for name in rest):",
+        "oodscen/judging/_parsing/members.py",
+        "if isinstance(inner, dict) and depth and any(WRAPPERS.fullmatch(spelt(name)) for name in rest):",
     ): "there is an inner value only if there is one member",
     (
         "oodscen/driving/_roads/geometry.py",

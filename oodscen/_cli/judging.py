@@ -63,7 +63,7 @@ def power(
     as_json: bool,
 ) -> None:
     """Print the number of scenes needed to tell the success rates FIRST and SECOND apart, e.g. 0.66 0.51."""
-    from oodscen.judging._leaderboard.power import power_of, scenes_needed, told_apart
+    from oodscen.judging._leaderboard.power import distinct_percents, power_of, scenes_needed
 
     source = click.get_current_context().get_parameter_source("wanted")
     if scenes is not None and source is ParameterSource.COMMANDLINE:
@@ -87,7 +87,7 @@ def power(
         say(json.dumps({"scenes": scenes, "power": found}))
         return
     effect = f" in paths of {per_path} that correlate by {icc:g}" if per_path > 1 and icc else ""
-    (chance,) = told_apart(found)
+    (chance,) = distinct_percents(found)
     say(f"{scenes} scenes{effect} detect that difference with a power of {chance}")
 
 

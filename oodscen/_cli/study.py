@@ -297,14 +297,14 @@ def quiz(out: Path, file: Path | None, scenes: int, rear_view: bool | None) -> N
     """
     from oodscen._pipeline import RunOptions
     from oodscen._pipeline.answering import rear_views
-    from oodscen.report._quiz import drawn, write_quiz
+    from oodscen.report._quiz import draw_drives, write_quiz
     from oodscen.study._study import Study
 
     if file is not None and not is_written_through(file):
         refuse_own(file, but=QUIZ)
     study, rears = Study.open(out), dict[str, str]()
     if rear_view:
-        drives = [drive.episode for drive in drawn(study, scenes)]
+        drives = [drive.episode for drive in draw_drives(study, scenes)]
         with bars() as progress:
             options = RunOptions(workers=os.cpu_count() or 1, progress=progress)
             rears = rear_views(study, drives, options)

@@ -18,7 +18,7 @@ from oodscen.data._pairing import twin_id
 from oodscen.data._verdict import verdict_id, without_pictures
 from oodscen.errors import MissingExtra, StudyMismatch, UnknownComponent
 from oodscen.judging._kinds import LISTED
-from oodscen.judging._questions import Shown, acting_prompt, choosing_prompt, naming_prompt
+from oodscen.judging._questions import ShownDrive, acting_prompt, choosing_prompt, naming_prompt
 from oodscen.judging._references import AspectOption
 from oodscen.judging._selection import ordinary_drives
 from oodscen.llm._accounting import Account, accounts
@@ -129,7 +129,7 @@ def _judging(config: StudyConfig, is_withheld: bool) -> Iterator[Request]:
     frames = tuple(Image(name=f"{name}.jpg", sha256="0" * 64) for name in moments(config.frames))
     descriptions = (DESCRIPTION,) * len(frames) if config.chain and not is_withheld else ()
     facts = DriveFacts(times_s=(0.0,) * len(frames), ego_speed_mps=10.0, behind="a lorry")
-    shown = Shown(frames, facts, frames[0] if config.rear_view else None)
+    shown = ShownDrive(frames, facts, frames[0] if config.rear_view else None)
     fields = shown.without_pictures() if is_withheld else shown
     kinds = [AspectOption(id=str(n), label="word " * 10 + str(n)) for n in range(LISTED + 1)]
     prompts: tuple[Prompt[Any], ...] = (

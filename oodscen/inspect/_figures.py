@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from inspect_ai.scorer import Metric, SampleScore, Score, Value, metric, stderr
 
-from oodscen.judging._items import AnswerColumns, Items
+from oodscen.judging._items import AnswerColumns, Items, Ratio
 from oodscen.judging._leaderboard.figures import figures, rates
 from oodscen.judging._scoring import AnswerKey, items_of
 
@@ -22,41 +22,41 @@ def figure(name: str) -> Metric:
         name: The figure, e.g. `act-both`.
     """
 
-    def measured(scores: list[SampleScore]) -> Value:
+    def measure(scores: list[SampleScore]) -> Value:
         items, sheet = _columns(scores)
         column = figures(items, sheet)[name]
         rate = rates(items, sheet)[name]
-        rows = np.flatnonzero(column.is_there).tolist()
-        found: dict[str, Any] = {
+        measured: dict[str, Any] = {
             name: rate.value,
-            f"{name}_stderr": _clustered(items, column.above, rows) if rows else None,
+            f"{name}_stderr": _clustered_error(items, column),
             f"{name}_low": rate.interval.low if rate.interval else None,
             f"{name}_high": rate.interval.high if rate.interval else None,
             f"{name}_n": rate.n,
             f"{name}_missing": rate.missing,
             f"{name}_missing_wrong": rate.with_missing_wrong,
         }
-        return {key: value for key, value in found.items() if value is not None}
+        return {key: value for key, value in measured.items() if value is not None}
 
-    return measured
+    return measure
 
 
 def _columns(scores: Sequence[SampleScore]) -> tuple[Items, AnswerColumns]:
     keys = [AnswerKey.parse((score.sample_metadata or {}).get("key")) for score in scores]
     items = items_of(keys)
     values = {
-        key.item: {name: float(value) for name, value in one.score.as_dict().items()}
-        for key, one in zip(keys, scores, strict=True)
+        key.item: {name: float(value) for name, value in score.score.as_dict().items()}
+        for key, score in zip(keys, scores, strict=True)
     }
     return items, AnswerColumns.of_values(items, values)
 
 
-def _clustered(items: Items, values: Any, rows: Sequence[int]) -> float:
-    """Return the standard error of a mean with whole paths as clusters."""
-    kept = [
+def _clustered_error(items: Items, column: Ratio) -> float | None:
+    """Return the standard error of a mean with whole paths as clusters; `None` if no answer scores."""
+    scores = [
         SampleScore(
-            score=Score(value=float(values[row])), sample_metadata={"path": items.clusters[row]}
+            score=Score(value=float(column.above[row])),
+            sample_metadata={"path": items.clusters[row]},
         )
-        for row in rows
+        for row in np.flatnonzero(column.is_there).tolist()
     ]
-    return float(stderr(cluster="path")(kept))
+    return float(stderr(cluster="path")(scores)) if scores else None

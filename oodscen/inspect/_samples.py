@@ -23,12 +23,12 @@ from oodscen.study._study import Study
 _COLUMNS = ["purpose", "system", "question", "images", "answer", "key"]
 
 
-class _Asked(NamedTuple):
-    """One question, from either source."""
+class _Question(NamedTuple):
+    """One question, of a study or of a data set."""
 
     key: AnswerKey
     system: str
-    question: str
+    text: str
     images: tuple[str, ...]
     """Files, or addresses that hold the data."""
 
@@ -47,33 +47,37 @@ def samples(
     Raises:
         UsageError: If the folder is neither, is a study though a split is named, or holds no such question.
     """
-    place = Path(folder).resolve()
-    if (place / "study.json").is_file():
+    folder = Path(folder).resolve()
+    if (folder / "study.json").is_file():
         if split is not None:
             raise UsageError(
-                f"{place} is a study, which has no splits: leave -T split={split} out, or publish it"
+                f"{folder} is a study, which has no splits: leave -T split={split} out, or publish it"
             )
-        found = _of_study(place, purpose)
-    elif (place / "data" / "questions").is_dir():
-        found = _of_data_set(place, purpose, split or "test")
+        questions = _of_study(folder, purpose)
+    elif (folder / "data" / "questions").is_dir():
+        questions = _of_data_set(folder, purpose, split or "test")
     else:
         raise UsageError(
-            f"{place} holds neither a study nor a published data set: give one with -T study=FOLDER"
+            f"{folder} holds neither a study nor a published data set: give one with -T study=FOLDER"
         )
-    made = [_sample(one, purpose) for one in found if is_paired or not is_ordinary(one.key.item)]
-    if not made:
-        raise UsageError(f"{place} holds no question {purpose!r}")
-    return made
+    dataset = [
+        _sample(question, purpose)
+        for question in questions
+        if is_paired or not is_ordinary(question.key.item)
+    ]
+    if not dataset:
+        raise UsageError(f"{folder} holds no question {purpose!r}")
+    return dataset
 
 
-def _sample(asked: _Asked, purpose: str) -> Sample:
-    key = asked.key
-    pictures = [ContentImage(image=image) for image in asked.images]
+def _sample(question: _Question, purpose: str) -> Sample:
+    key = question.key
+    pictures = [ContentImage(image=image) for image in question.images]
     return Sample(
         id=key.item,
         input=[
-            ChatMessageSystem(content=asked.system),
-            ChatMessageUser(content=[ContentText(text=asked.question), *pictures]),
+            ChatMessageSystem(content=question.system),
+            ChatMessageUser(content=[ContentText(text=question.text), *pictures]),
         ],
         target=_target(key, purpose),
         metadata={
@@ -97,11 +101,11 @@ def _target(key: AnswerKey, purpose: str) -> str | list[str]:
     return key.path[-1] if key.path else ""
 
 
-def _of_study(place: Path, purpose: str) -> Iterator[_Asked]:
-    study = Study.open(place)
+def _of_study(folder: Path, purpose: str) -> Iterator[_Question]:
+    study = Study.open(folder)
     for drive in asked_drives(study):
         prompt = _prompt(drive, purpose)
-        yield _Asked(
+        yield _Question(
             drive.key,
             prompt.instructions(),
             prompt.question(),
@@ -117,25 +121,28 @@ def _prompt(drive: AskedDrive, purpose: str) -> DriveQuestion[Any]:
     return acting_prompt(drive.shown)
 
 
-def _of_data_set(place: Path, purpose: str, split: str) -> Iterator[_Asked]:
+def _of_data_set(folder: Path, purpose: str, split: str) -> Iterator[_Question]:
     try:
         from pyarrow import parquet
     except ImportError:
         raise MissingExtra("a published data set", "publish", "pyarrow") from None
-    path = place / "data" / "questions" / f"{split}.parquet"
+    path = folder / "data" / "questions" / f"{split}.parquet"
     if not path.is_file():
-        raise UsageError(f"{place} has no split {split!r}")
+        raise UsageError(f"{folder} has no split {split!r}")
     try:
         with parquet.ParquetFile(path) as file:
-            for part in file.iter_batches(batch_size=96, columns=_COLUMNS):
-                yield from map(_row, (r for r in part.to_pylist() if r["purpose"] == purpose))
+            for batch in file.iter_batches(batch_size=96, columns=_COLUMNS):
+                for row in batch.to_pylist():
+                    if row["purpose"] == purpose:
+                        yield _question(row)
     except (OSError, ValueError, KeyError) as error:
         raise DataError("data set", [Issue("", str(error))], source=str(path)) from None
 
 
-def _row(row: dict[str, Any]) -> _Asked:
+def _question(row: dict[str, Any]) -> _Question:
+    """Return the question in a row of a data set, with its pictures as addresses."""
     images: Sequence[dict[str, bytes]] = row["images"]
-    return _Asked(
+    return _Question(
         AnswerKey.parse(json.loads(row["key"])),
         row["system"],
         row["question"],

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import anyio.to_thread
 from inspect_ai import Task, task
@@ -13,11 +14,11 @@ from inspect_ai.solver import Generate, Solver, TaskState, solver
 from rich.markup import escape
 
 from oodscen._registry import make_llm
-from oodscen.errors import AnswerError, ContentFiltered, OodscenError, UsageError
+from oodscen.errors import AnswerError, ContentFiltered, Issue, OodscenError, UsageError
 from oodscen.inspect._figures import figure
 from oodscen.inspect._samples import samples
 from oodscen.judging._items import answer_values
-from oodscen.judging._questions import ATTEMPTS
+from oodscen.judging._questions import ATTEMPTS, AnswerReader
 from oodscen.judging._scoring import AnswerKey
 from oodscen.llm._ask import clean_answer, incompleteness, repair
 from oodscen.prompts._judging.choose_action import ChooseAction
@@ -87,8 +88,8 @@ def _task(
     is_paired: bool = True,
 ) -> Task:
     try:
-        found = samples(_folder(study), purpose, split=split, is_paired=is_paired)
-        return Task(dataset=found, solver=asked(), scorer=scorer())
+        dataset = samples(_folder(study), purpose, split=split, is_paired=is_paired)
+        return Task(dataset=dataset, solver=asked(), scorer=scorer())
     except OodscenError as error:
         raise Refused(str(error)) from error
 
@@ -110,18 +111,10 @@ def asked() -> Solver:
         for attempt in range(1, ATTEMPTS + 1):
             state = await generate(state)
             raw = clean_answer(state.output.completion)
-            failure = _failure(state)
-            if isinstance(failure, ContentFiltered):
+            faults = _faults(state, reader, raw)
+            if not faults or attempt == ATTEMPTS:
                 break
-            try:
-                answer, issues = (None, list(failure.issues) if failure else [])
-                if failure is None:
-                    answer, issues, _ = reader.read(raw, model=str(state.model))
-            except AnswerError:
-                break
-            if answer is not None or attempt == ATTEMPTS:
-                break
-            message, mend = repair(raw, issues)
+            message, mend = repair(raw, faults)
             state.messages = [
                 *question,
                 ChatMessageAssistant(content=message.text),
@@ -130,6 +123,20 @@ def asked() -> Solver:
         return state
 
     return solve
+
+
+def _faults(state: TaskState, reader: AnswerReader[Any, Any], raw: str) -> list[Issue]:
+    """Return why an answer cannot be read; empty if it can, or if asking again is useless."""
+    failure = _failure(state)
+    if isinstance(failure, ContentFiltered):
+        return []
+    if failure is not None:
+        return list(failure.issues)
+    try:
+        _, faults, _ = reader.read(raw, model=str(state.model))
+    except AnswerError:
+        return []
+    return faults
 
 
 @scorer(metrics=[figure("notice-both"), figure("notice"), figure("alarms")], name="notice")
@@ -152,8 +159,8 @@ def _acted() -> Scorer:
     return _scoring("safe", "success", "cautious", "fitting", "neutral")
 
 
-def _scoring(*kept: str, judge: str | None = None) -> Scorer:
-    """Return the scorer that keeps these values of an answer."""
+def _scoring(*names: str, judge: str | None = None) -> Scorer:
+    """Return the scorer that gives the values of an answer by these names."""
     llm = make_llm(judge) if judge else None
 
     async def score(state: TaskState, target: Target) -> Score:
@@ -168,11 +175,11 @@ def _scoring(*kept: str, judge: str | None = None) -> Scorer:
             )
         )
         values = answer_values(verdict, key.episode)
-        said = (verdict.action, verdict.choice, verdict.aspect, verdict.is_ood)
+        answers = (verdict.action, verdict.choice, verdict.aspect, verdict.is_ood)
         return Score(
-            value={name: values[name] for name in kept},
-            answer=next((str(one) for one in said if one not in (None, "")), ""),
-            explanation=_explained(key, verdict.action) or verdict.error or "",
+            value={name: values[name] for name in names},
+            answer=next((str(answer) for answer in answers if answer not in (None, "")), ""),
+            explanation=_explanation(key, verdict.action) or verdict.error or "",
             metadata={"outcome": verdict.outcome, "judge": verdict.judge},
         )
 
@@ -190,16 +197,20 @@ def _failure(state: TaskState) -> AnswerError | ContentFiltered | None:
     return None
 
 
-def _explained(key: AnswerKey, action: str | None) -> str:
-    """Return what came of an action, in words."""
+def _explanation(key: AnswerKey, action: str | None) -> str:
+    """Return what came of an action, in words; empty without one."""
     if action is None:
         return ""
     label = key.episode.label(action)
     outcome = key.actions.get(action)
     if outcome is None:
         return f"{action} is {label}"
-    touched = f", touches {', '.join(outcome.contacts)}" if outcome.contacts else ""
-    return f"{action} is {label}{touched}{', drives past the red light' if outcome.ran_red else ''}"
+    parts = [f"{action} is {label}"]
+    if outcome.contacts:
+        parts.append(f"touches {', '.join(outcome.contacts)}")
+    if outcome.ran_red:
+        parts.append("drives past the red light")
+    return ", ".join(parts)
 
 
 def _key(state: TaskState) -> AnswerKey:

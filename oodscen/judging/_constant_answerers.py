@@ -20,13 +20,12 @@ from oodscen.prompts._judging.name_aspect import NameAspect
 from oodscen.prompts._judging.name_ood_aspect import NameOodAspect
 from oodscen.protocols import Completion, Request
 
-UNSEEN = "A road ahead of the ego vehicle."
-"""The description that these answerers give of every frame."""
-
-_Question = NameAspect | NameOodAspect | ChooseAspect | ChooseAction
-
 ASPECT = "A pedestrian crossing where none is expected"
 """The aspect named whenever one of them calls a scene OOD: right by luck for that kind of scene."""
+_DESCRIPTION = "A road ahead of the ego vehicle."
+"""The description of every frame."""
+
+_Question = NameAspect | NameOodAspect | ChooseAspect | ChooseAction
 
 
 class _Sightless(Brief):
@@ -43,7 +42,7 @@ class _Sightless(Brief):
         """
         prompt = request.prompt
         if isinstance(prompt, DescribeFrame):
-            answer: dict[str, Any] = {"description": UNSEEN}
+            answer: dict[str, Any] = {"description": _DESCRIPTION}
         elif isinstance(prompt, _Question):
             answer = self._answer(prompt, request.sample)
         else:
@@ -82,7 +81,9 @@ class ConstantAnswerer(_Sightless):
         The choice is the alphabetically first id, which does not depend on the order of the list.
         """
         listed = (option.id for option in case.options if option.id != NOTHING)
-        return Answers(True, ASPECT, None, min(listed, default=None), self.action)
+        return Answers(
+            is_ood=True, aspect=ASPECT, choice=min(listed, default=None), action=self.action
+        )
 
     def _answer(self, prompt: _Question, sample: int) -> dict[str, Any]:
         if isinstance(prompt, ChooseAspect):
@@ -114,7 +115,7 @@ class RandomAnswerer(_Sightless):
         action = ACTIONS[int(draw.integers(len(ACTIONS)))]
         names = [option.id for option in case.options]
         choice = names[int(draw.integers(len(names)))] if names else None
-        return Answers(is_ood, ASPECT if is_ood else "", None, choice, action)
+        return Answers(is_ood, aspect=ASPECT if is_ood else "", choice=choice, action=action)
 
     def _answer(self, prompt: _Question, sample: int) -> dict[str, Any]:
         frames = (image.name for image in prompt.frames)

@@ -34,7 +34,7 @@ CRITICAL_TTC_S = 1.5
 def current_results(drives: Iterable[DriveResult], scenes: Iterable[Scene]) -> list[DriveResult]:
     """Return the results of the scenes as they are now, sorted by driver and then in the order of the scenes."""
     digests = {scene.id: scene.digest() for scene in scenes}
-    order = {name: place for place, name in enumerate(digests)}
+    order = {name: index for index, name in enumerate(digests)}
     results = [
         drive for drive in drives if digests.get(scene_of(drive.scene_id)) == drive.made_from
     ]
@@ -111,7 +111,8 @@ class DriveBoard(Data):
 
     def of(self, driver: str, kind: Literal["scenes", "twins"] = "scenes") -> DriveRow | None:
         """Return the row of one driver, or `None`."""
-        return next((r for r in self.rows if (r.driver, r.kind) == (driver, kind)), None)
+        rows = (row for row in self.rows if (row.driver, row.kind) == (driver, kind))
+        return next(rows, None)
 
     @property
     def drivers(self) -> tuple[str, ...]:
@@ -120,15 +121,15 @@ class DriveBoard(Data):
 
     def remarks(self) -> list[str]:
         """Return sentences that name the figures that do not show skill."""
-        found = []
+        remarks = []
         for scenes, twins in self._pairs():
             progress, passed = twins.means["progress"].value, scenes.shares["passed"].value
             if progress is not None and passed is not None and progress < HARDLY_DRIVES:
-                found.append(
+                remarks.append(
                     f"{scenes.driver} passes {percent(passed)} of the scenes by hardly driving: on the ordinary twins it "
                     f"comes {percent(progress)} as far as keeping the speed would. Standing still is no skill."
                 )
-        return found
+        return remarks
 
     def sentences(self) -> list[str]:
         """Return a sentence per driver, best first: the main figure, and needless braking in the twins."""
@@ -144,18 +145,18 @@ class DriveBoard(Data):
 
 def _sentence(scenes: DriveRow, twins: DriveRow) -> str:
     pairing, needless = scenes.paired or Pairing(), twins.shares["needless"]
-    sound, test = pairing.drives_and_passes, pairing.against_rule_based
-    if sound.value is None:
+    share, test = pairing.drives_and_passes, pairing.against_rule_based
+    if share.value is None:
         return f"{scenes.driver} has driven no scene and its twin to the end."
     ahead = f" ({lead(test.difference, RULE_BASED)})" if test else ""
     return (
-        f"{scenes.driver} drives and passes {percent(sound.value)}{bracketed(sound)} of {sound.n} scenes with their "
+        f"{scenes.driver} drives and passes {percent(share.value)}{bracketed(share)} of {share.n} scenes with their "
         f"ordinary twins{ahead}, and brakes hard without need in {percent(needless.value)}{bracketed(needless)} of "
         "the twins."
     )
 
 
-MEANS = (
+_MEANS = (
     "min_ttc_s",
     "min_headway_s",
     "median_headway_s",
@@ -181,25 +182,26 @@ def drive_board(
     grouped: dict[str, list[DriveResult]] = {}
     for drive_result in last_by(results, lambda result: (result.driver, result.scene_id)):
         grouped.setdefault(drive_result.driver, []).append(drive_result)
-    sums = _Sums(paths, seed_number(seed))
+    estimator = _Estimator(paths, seed_number(seed))
     yardstick = drives_and_passes(grouped.get(RULE_BASED, ()))
-    found = []
+    pairs = []
     for driver, drives in grouped.items():
         scenes = [drive for drive in drives if not drive.is_twin]
         twins = [drive for drive in drives if drive.is_twin]
-        pairing = sums.pairing(scenes, twins, {} if driver == RULE_BASED else yardstick)
-        row = sums.row(driver, "scenes", scenes).model_copy(update={"paired": pairing})
-        found.append((row, sums.row(driver, "twins", twins)))
+        pairing = estimator.pairing(scenes, twins, {} if driver == RULE_BASED else yardstick)
+        row = estimator.row(driver, "scenes", scenes).model_copy(update={"paired": pairing})
+        pairs.append((row, estimator.row(driver, "twins", twins)))
     return DriveBoard(
-        rows=tuple(row for rows in sorted(found, key=_rank) for row in rows if row.n),
+        rows=tuple(row for pair in sorted(pairs, key=_rank) for row in pair if row.n),
         paths=len({path_of(drive, paths) for drives in grouped.values() for drive in drives}),
     )
 
 
-def _rank(rows: tuple[DriveRow, DriveRow]) -> tuple[float, bool, str]:
-    scenes, _ = rows
+def _rank(pair: tuple[DriveRow, DriveRow]) -> tuple[bool, float, bool, str]:
+    """Return the sort key of a driver's rows: best first, those without the main figure last."""
+    scenes, _ = pair
     value = scenes.paired.drives_and_passes.value if scenes.paired else None
-    return -(-1.0 if value is None else value), scenes.driver != RULE_BASED, scenes.driver
+    return value is None, -(value or 0.0), scenes.driver != RULE_BASED, scenes.driver
 
 
 def paths_of(scenarios: Iterable[Scenario]) -> dict[str, str]:
@@ -207,9 +209,9 @@ def paths_of(scenarios: Iterable[Scenario]) -> dict[str, str]:
     return {scenario.id: " > ".join(scenario.path) for scenario in scenarios}
 
 
-def path_of(one: DriveResult, paths: Mapping[str, str]) -> str:
+def path_of(drive: DriveResult, paths: Mapping[str, str]) -> str:
     """Return the path of a drive's scene; if it is not known, the scene's id gives it."""
-    scene = scene_of(one.scene_id)
+    scene = scene_of(drive.scene_id)
     return paths.get(scene) or scene.rpartition("-")[0] or scene
 
 
@@ -220,16 +222,17 @@ def drives_and_passes(drives: Sequence[DriveResult]) -> dict[str, bool]:
         for drive in drives
         if drive.is_twin and drive.status == "ok"
     }
-    found = {}
+    passes = {}
     for drive in drives:
         twin = twins.get(drive.scene_id)
         if not drive.is_twin and drive.status == "ok" and twin is not None:
-            found[drive.scene_id] = drive.passed and twin.passed and twin.progress >= HARDLY_DRIVES
-    return found
+            moves_on = twin.progress >= HARDLY_DRIVES
+            passes[drive.scene_id] = drive.passed and twin.passed and moves_on
+    return passes
 
 
-class _Sums:
-    """Counts and means with their intervals."""
+class _Estimator:
+    """Estimates shares and means of drives, with intervals over whole paths."""
 
     def __init__(self, paths: dict[str, str], seed: int) -> None:
         self._paths = paths
@@ -240,14 +243,14 @@ class _Sums:
     ) -> DriveRow:
         ran = [drive for drive in drives if drive.status == "ok"]
         shares = {
-            "passed": self.share(ran, lambda result: result.passed),
-            "collisions": self.share(ran, lambda result: bool(result.collisions)),
-            "off_road": self.share(ran, lambda result: result.off_road),
+            "passed": self.share(ran, lambda drive: drive.passed),
+            "collisions": self.share(ran, lambda drive: bool(drive.collisions)),
+            "off_road": self.share(ran, lambda drive: drive.off_road),
             "critical": self.share(ran, is_critical),
         }
         if kind == "twins":
-            judged = [result for result in ran if result.brakes_needlessly is not None]
-            shares["needless"] = self.share(judged, lambda result: bool(result.brakes_needlessly))
+            judged = [drive for drive in ran if drive.brakes_needlessly is not None]
+            shares["needless"] = self.share(judged, lambda drive: bool(drive.brakes_needlessly))
         return DriveRow(
             driver=driver,
             kind=kind,
@@ -258,7 +261,7 @@ class _Sums:
             collisions=shares["collisions"].hits,
             off_road=shares["off_road"].hits,
             shares=shares,
-            means={name: self.mean(ran, attrgetter(name)) for name in MEANS},
+            means={name: self.mean(ran, attrgetter(name)) for name in _MEANS},
         )
 
     def pairing(
@@ -267,31 +270,33 @@ class _Sums:
         twins: Sequence[DriveResult],
         yardstick: dict[str, bool],
     ) -> Pairing:
-        sound = drives_and_passes([*scenes, *twins])
-        passed = {scene_of(twin.scene_id): twin.passed for twin in twins if twin.status == "ok"}
-        both = [scene for scene in scenes if scene.scene_id in sound]
-        counts = [(result.passed, passed[result.scene_id]) for result in both]
+        passes = drives_and_passes([*scenes, *twins])
+        twin_passed = {
+            scene_of(twin.scene_id): twin.passed for twin in twins if twin.status == "ok"
+        }
+        paired_scenes = [scene for scene in scenes if scene.scene_id in passes]
+        counts = [(scene.passed, twin_passed[scene.scene_id]) for scene in paired_scenes]
         return Pairing(
-            n=len(both),
+            n=len(paired_scenes),
             both=counts.count((True, True)),
             scene_only=counts.count((True, False)),
             twin_only=counts.count((False, True)),
             neither=counts.count((False, False)),
-            drives_and_passes=self.share(both, lambda result: sound[result.scene_id]),
-            progress_lost=self.mean(both, lambda result: result.progress_lost),
-            against_rule_based=self.compared(both, sound, yardstick),
+            drives_and_passes=self.share(paired_scenes, lambda scene: passes[scene.scene_id]),
+            progress_lost=self.mean(paired_scenes, lambda scene: scene.progress_lost),
+            against_rule_based=self.comparison(paired_scenes, passes, yardstick),
         )
 
-    def compared(
-        self, scenes: Sequence[DriveResult], sound: dict[str, bool], yardstick: dict[str, bool]
+    def comparison(
+        self, scenes: Sequence[DriveResult], passes: dict[str, bool], yardstick: dict[str, bool]
     ) -> PairedTest | None:
         common = [scene for scene in scenes if scene.scene_id in yardstick]
         if not common:
             return None
         return paired(
-            np.array([sound[result.scene_id] for result in common], np.float64),
-            np.array([yardstick[result.scene_id] for result in common], np.float64),
-            [path_of(result, self._paths) for result in common],
+            np.array([passes[scene.scene_id] for scene in common], np.float64),
+            np.array([yardstick[scene.scene_id] for scene in common], np.float64),
+            [path_of(scene, self._paths) for scene in common],
             seed=self._seed,
         )
 
@@ -313,11 +318,11 @@ class _Sums:
     def mean(
         self, drives: Sequence[DriveResult], figure: Callable[[DriveResult], float | None]
     ) -> Estimate:
-        known = [(drive, value) for drive in drives if (value := figure(drive)) is not None]
-        if not known:
+        measured = [drive for drive in drives if figure(drive) is not None]
+        if not measured:
             return Estimate()
-        values = np.array([value for _, value in known], np.float64)
-        replicates, units = self._resampled([result for result, _ in known], values)
+        values = np.array([figure(drive) for drive in measured], np.float64)
+        replicates, units = self._resampled(measured, values)
         interval = None if replicates is None else percentiles(replicates, units)
         return Estimate(value=round(float(values.mean()), 6), n=len(values), interval=interval)
 
@@ -333,6 +338,7 @@ class _Sums:
         return resampler.ratios(values[:, None], np.ones((len(values), 1)))[:, 0], units
 
 
-def is_critical(one: DriveResult) -> bool:
+def is_critical(drive: DriveResult) -> bool:
     """Return whether a drive ended in a collision or came close to one."""
-    return bool(one.collisions) or (one.min_ttc_s is not None and one.min_ttc_s < CRITICAL_TTC_S)
+    came_close = drive.min_ttc_s is not None and drive.min_ttc_s < CRITICAL_TTC_S
+    return bool(drive.collisions) or came_close

@@ -8,7 +8,7 @@ from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.judging._drive_board import drives_and_passes, is_critical, path_of, paths_of
-from oodscen.judging._items import Floats, Mask
+from oodscen.judging._items import Floats, Mask, last_by
 from oodscen.judging._leaderboard.requirements import (
     ALPHA,
     Bar,
@@ -36,46 +36,59 @@ def drive_requirements(
 ) -> list[RequirementResult]:
     """Return the grade of every driver, in order of their names, by at least one bar of `DRIVE_FIGURES`.
 
-    A drive that failed or is inconclusive counts as a missing answer: as wrong for "meets", as right for "fails".
+    A drive that failed or is inconclusive counts as a missing answer: as wrong for "meets", as right for "fails". The
+    last result of a driver in a scene replaces earlier ones.
     """
     paths = paths_of(scenarios)
     grouped: dict[str, list[DriveResult]] = {}
-    for drive in drives:
+    for drive in last_by(drives, lambda drive: (drive.driver, drive.scene_id)):
         grouped.setdefault(drive.driver, []).append(drive)
     level = ALPHA / max(len(grouped), 1)
     results = []
-    for name, drive_results in sorted(grouped.items()):
-        clusters = [path_of(result, paths) for result in drive_results]
+    for name, driven in sorted(grouped.items()):
+        clusters = [path_of(drive, paths) for drive in driven]
         tests = [
-            RequirementTest(clusters, *_columns(bar.figure, drive_results), bar, seed)
-            for bar in bars
+            RequirementTest(clusters, *_columns(bar.figure, driven), bar, seed) for bar in bars
         ]
-        scenes = sum(not result.is_twin for result in drive_results)
+        scenes = sum(not drive.is_twin for drive in driven)
         results.append(grade_of(name, tests, level, scenes / len(set(clusters))))
     return results
 
 
 def _columns(figure: str, drives: Sequence[DriveResult]) -> tuple[Floats, Mask]:
     """Return the [n] values of a figure, NaN if there is none, and the [n] drives that lack theirs."""
+    if figure == "safe-both":
+        return _paired_columns(drives)
+    is_of_twins, value_of = _SIMPLE_FIGURES[figure]
     values = np.full(len(drives), np.nan)
     missing = np.zeros(len(drives), np.bool_)
-    both = drives_and_passes(drives)
-    driven = {scene_of(drive.scene_id) for drive in drives if drive.is_twin}
-    simple: dict[str, tuple[bool, Callable[[DriveResult], bool | None]]] = {
-        "safe": (False, lambda result: result.passed),
-        "safe-twin": (True, lambda result: result.passed),
-        "needless": (True, lambda result: result.brakes_needlessly),
-        "critical": (False, is_critical),
-    }
-    for row, drive_result in enumerate(drives):
-        if figure == "safe-both":
-            if not drive_result.is_twin and drive_result.scene_id in driven:
-                missing[row] = drive_result.scene_id not in both
-                values[row] = both.get(drive_result.scene_id, np.nan)
+    for row, drive in enumerate(drives):
+        if drive.is_twin != is_of_twins:
             continue
-        is_twin, value = simple[figure]
-        if drive_result.is_twin == is_twin:
-            missing[row] = drive_result.status != "ok"
-            found = None if missing[row] else value(drive_result)
-            values[row] = np.nan if found is None else found
+        if drive.status != "ok":
+            missing[row] = True
+        elif (value := value_of(drive)) is not None:
+            values[row] = value
     return values, missing
+
+
+def _paired_columns(drives: Sequence[DriveResult]) -> tuple[Floats, Mask]:
+    """Return the columns of `safe-both`, whose rows are the scenes of which the twin was driven, too."""
+    values = np.full(len(drives), np.nan)
+    missing = np.zeros(len(drives), np.bool_)
+    passes = drives_and_passes(drives)
+    with_twin = {scene_of(drive.scene_id) for drive in drives if drive.is_twin}
+    for row, drive in enumerate(drives):
+        if not drive.is_twin and drive.scene_id in with_twin:
+            missing[row] = drive.scene_id not in passes
+            values[row] = passes.get(drive.scene_id, np.nan)
+    return values, missing
+
+
+_SIMPLE_FIGURES: dict[str, tuple[bool, Callable[[DriveResult], bool | None]]] = {
+    "safe": (False, lambda drive: drive.passed),
+    "safe-twin": (True, lambda drive: drive.passed),
+    "needless": (True, lambda drive: drive.brakes_needlessly),
+    "critical": (False, is_critical),
+}
+"""By figure: whether it is of the twins, and its value for one of the drives."""

@@ -3,12 +3,13 @@
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen.data._episode import Episode, has_enough_margin
+from oodscen.data._episode import ActionOutcome, Episode, has_enough_margin
 from oodscen.data._pairing import kind_of, scene_of
 from oodscen.data._verdict import Protocol, Verdict
 from oodscen.judging._aspects.opinions import is_open
@@ -61,13 +62,14 @@ class Items:
     """[n] items in which keeping the speed is safe with enough margin."""
 
     @classmethod
-    def of(cls, episodes: Sequence[Episode], known: Mapping[str, "Scenario | AnswerKey"]) -> Self:
-        """Return the items of a study; failed episodes are skipped.
+    def of(cls, episodes: Iterable[Episode], truths: Mapping[str, "Scenario | AnswerKey"]) -> Self:
+        """Return the items of a study; failed episodes are skipped, and the last episode of an item counts.
 
-        `known` are the scenarios or keys that give the leaf and the path of each scene, by its id.
+        `truths` are the scenarios or keys that give the leaf and the path of each scene, by its id.
         """
-        ran = [episode for episode in episodes if episode.status == "ok"]
-        sources = [known.get(scene_of(episode.scene_id)) for episode in ran]
+        latest = last_by(episodes, lambda episode: episode.scene_id)
+        ran = [episode for episode in latest if episode.status == "ok"]
+        sources = [truths.get(scene_of(episode.scene_id)) for episode in ran]
         paths = [source.path if source else () for source in sources]
         leaves = [
             source.leaf if source and source.leaf else scene_of(episode.scene_id).rpartition("-")[0]
@@ -79,14 +81,8 @@ class Items:
             -1 if kind == "rare" else index.get(scene_of(episode.scene_id), -1)
             for kind, episode in zip(kinds, ran, strict=True)
         ]
-        outcomes = [tuple(episode.actions.values()) for episode in ran]
-        safe = np.array(
-            [sum(o.safe for o in action_outcomes) for action_outcomes in outcomes], np.float64
-        )
-        scoring = np.array(
-            [sum(not o.marginal for o in action_outcomes) for action_outcomes in outcomes],
-            np.float64,
-        )
+        safe = _action_counts(ran, lambda outcome: outcome.safe)
+        scoring = _action_counts(ran, lambda outcome: not outcome.marginal)
         return cls(
             episodes=ran,
             index=index,
@@ -101,11 +97,8 @@ class Items:
             kinds=kinds,
             owners=np.array(owners, np.int64),
             safe=safe,
-            unsafe=np.array(
-                [sum(o.is_unsafe for o in action_outcomes) for action_outcomes in outcomes],
-                np.float64,
-            ),
-            has_actions=np.array([bool(action_outcomes) for action_outcomes in outcomes], np.bool_),
+            unsafe=_action_counts(ran, lambda outcome: outcome.is_unsafe),
+            has_actions=np.array([bool(episode.actions) for episode in ran], np.bool_),
             chance=np.divide(safe, scoring, out=np.zeros_like(safe), where=scoring > 0),
             keeping_is_safe=np.array([keeping_is_safe(episode) for episode in ran], np.bool_),
         )
@@ -132,6 +125,14 @@ class Items:
         return scene_of(scene).rpartition("-")[0] if row is None else self.leaves[row]
 
 
+def _action_counts(
+    episodes: Sequence[Episode], is_counted: Callable[[ActionOutcome], bool]
+) -> Floats:
+    """Return the [n] numbers of actions with a certain outcome."""
+    counts = [sum(map(is_counted, episode.actions.values())) for episode in episodes]
+    return np.array(counts, np.float64)
+
+
 VALUES = (
     "called",
     "p_ood",
@@ -153,7 +154,7 @@ def answer_values(verdict: Verdict, episode: Episode) -> dict[str, float]:
     outcome = episode.actions.get(action or "")
     is_safe = verdict.action_is_safe
     is_needless = action in DISTURBING and keeping_is_safe(episode)
-    found: dict[str, float | None] = {
+    values: dict[str, float | None] = {
         "called": verdict.is_ood,
         "p_ood": verdict.p_ood,
         "stated": verdict.is_ood is not None and verdict.confidence is not None,
@@ -165,7 +166,7 @@ def answer_values(verdict: Verdict, episode: Episode) -> dict[str, float]:
         "fitting": False if is_needless else is_safe,
         "neutral": outcome is not None and is_safe is None,
     }
-    return {name: np.nan if value is None else float(value) for name, value in found.items()}
+    return {name: np.nan if value is None else float(value) for name, value in values.items()}
 
 
 def keeping_is_safe(episode: Episode) -> bool:
@@ -198,22 +199,24 @@ class AnswerColumns:
 
     @classmethod
     def of(cls, items: Items, verdicts: Iterable[Verdict]) -> Self:
-        """Return the verdicts of one answerer as columns; those on unknown items are skipped."""
-        known = [verdict for verdict in verdicts if verdict.scene_id in items.index]
-        values = {
-            one.scene_id: answer_values(one, items.episodes[items.index[one.scene_id]])
-            for one in known
-        }
-        return cls.of_values(
-            items, values, {one.scene_id: one.judge for one in known if is_open(one)}
+        """Return the verdicts of one answerer as columns, the last of an item; unknown items are skipped."""
+        known = last_by(
+            (verdict for verdict in verdicts if verdict.scene_id in items.index),
+            lambda verdict: verdict.scene_id,
         )
+        values = {
+            verdict.scene_id: answer_values(verdict, items.episodes[items.index[verdict.scene_id]])
+            for verdict in known
+        }
+        scorers = {verdict.scene_id: verdict.judge for verdict in known if is_open(verdict)}
+        return cls.of_values(items, values, scorers)
 
     @classmethod
     def of_values(
         cls,
         items: Items,
         values: Mapping[str, Mapping[str, float]],
-        scorers: Mapping[str, str] | None = None,
+        scorers: Mapping[str, str] = MappingProxyType({}),
     ) -> Self:
         """Return answers as columns, from their values by item as `answer_values` returns them.
 
@@ -222,17 +225,17 @@ class AnswerColumns:
         """
         n = len(items.episodes)
         columns = {name: np.full(n, np.nan) for name in VALUES}
-        asked = np.zeros(n, np.bool_)
+        was_asked = np.zeros(n, np.bool_)
         scorer: list[str | None] = [None] * n
-        for item, found in values.items():
+        for item, item_values in values.items():
             row = items.index[item]
-            asked[row] = True
-            scorer[row] = (scorers or {}).get(item)
+            was_asked[row] = True
+            scorer[row] = scorers.get(item)
             for name, column in columns.items():
-                column[row] = found.get(name, np.nan)
+                column[row] = item_values.get(name, np.nan)
         stated, neutral = columns.pop("stated") > 0, columns.pop("neutral") > 0
         return cls(
-            was_asked=asked,
+            was_asked=was_asked,
             stated=stated,
             scorer=scorer,
             is_neutral=neutral & ~np.isfinite(columns["safe"]),
@@ -293,5 +296,5 @@ class Ratio:
 
     def missing(self, sheet: AnswerColumns) -> Mask:
         """Return the [n] items that were asked about and got no answer."""
-        silent = self.mask & sheet.was_asked & ~self.is_there
-        return silent if self.is_neutral is None else silent & ~self.is_neutral
+        missing = self.mask & sheet.was_asked & ~self.is_there
+        return missing if self.is_neutral is None else missing & ~self.is_neutral

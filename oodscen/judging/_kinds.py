@@ -7,7 +7,8 @@ from itertools import pairwise
 
 from oodscen._seeding import stream
 from oodscen.data._scenario import Scenario
-from oodscen.judging._aspects.concepts import seen_label, visible_naming
+from oodscen.judging._aspects.concepts import seen_label
+from oodscen.judging._aspects.naming import visible_naming
 from oodscen.judging._references import AspectOption
 
 LISTED = 7
@@ -28,7 +29,7 @@ class Kinds:
     lists: Mapping[str, tuple[tuple[AspectOption, ...], ...]] = field(default_factory=dict)
     """The lists by map."""
     homes: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
-    """The number of the list to which a leaf belongs, by map."""
+    """The index of the list to which a leaf belongs, by map."""
 
     @classmethod
     def of(
@@ -39,51 +40,28 @@ class Kinds:
         A kind is possible on a map if a scene there shows it, or if no scene of it needs a certain place. `maps` holds
         the map of every scene, by its id.
         """
-        labels = {
-            scenario.leaf: scenario.path[-1]
-            for scenario in scenarios
-            if scenario.leaf and scenario.path
-        }
-        families = {
-            scenario.leaf: scenario.path[-2:-1]
-            for scenario in scenarios
-            if scenario.leaf and scenario.path
-        }
-        kinds = merge_kinds(labels)
+        described = [scenario for scenario in scenarios if scenario.leaf and scenario.path]
+        families = {scenario.leaf: scenario.path[-2:-1] for scenario in described}
+        kinds = merge_kinds({scenario.leaf: scenario.path[-1] for scenario in described})
         leaves = {scenario.id: scenario.leaf for scenario in scenarios}
-        here: dict[str, list[AspectOption]] = {}
-        for scene, place in sorted(maps.items()):
-            leaf = leaves.get(scene, "")
-            own = here.setdefault(place, [])
-            own += [kind for kind in kinds if kind not in own and kind.holds(leaf)]
-        anywhere = [
-            kind
-            for kind in kinds
-            if all(concept.kind != "place" for concept in visible_naming(kind.label).concepts)
-        ]
+        anywhere = [kind for kind in kinds if not _needs_place(kind)]
         lists: dict[str, tuple[tuple[AspectOption, ...], ...]] = {}
         homes: dict[str, dict[str, int]] = {}
-        for place, own in here.items():
-            parts = _parts(sorted(own, key=lambda kind: (families[kind.id], kind.id)))
-            homes[place] = {
-                leaf: number
-                for number, part in enumerate(parts)
-                for kind in part
-                for leaf in kind.leaves
-            }
-            spare = [*own, *(kind for kind in anywhere if kind not in own)]
-            order = stream(seed, "kinds", place).permutation(len(spare))
-            options = [spare[int(index)] for index in order]
-            lists[place] = tuple(_filled(part, options, families) for part in parts)
+        for map_name, shown in _kinds_by_map(kinds, leaves, maps).items():
+            parts = _parts(sorted(shown, key=lambda kind: (families[kind.id], kind.id)))
+            homes[map_name] = _list_numbers(parts)
+            possible = [*shown, *(kind for kind in anywhere if kind not in shown)]
+            order = stream(seed, "kinds", map_name).permutation(len(possible))
+            spare = [possible[int(index)] for index in order]
+            lists[map_name] = tuple(_filled(part, spare, families) for part in parts)
         return cls(tuple(kinds), lists, homes)
 
-    def offered(self, leaf: str, place: str) -> tuple[AspectOption, ...]:
+    def offered(self, leaf: str, map_name: str) -> tuple[AspectOption, ...]:
         """Return the list that holds a leaf on a map; the first `LISTED` kinds where there is none."""
-        if leaf in self.homes.get(place, {}):
-            return self.lists[place][self.homes[place][leaf]]
-        own = [kind for kind in self.kinds if kind.holds(leaf)]
-        others = [kind for kind in self.kinds if kind not in own]
-        return tuple(own + others)[:LISTED]
+        if leaf in self.homes.get(map_name, {}):
+            return self.lists[map_name][self.homes[map_name][leaf]]
+        kinds = sorted(self.kinds, key=lambda kind: not kind.holds(leaf))
+        return tuple(kinds[:LISTED])
 
 
 def merge_kinds(labels: Mapping[str, str]) -> list[AspectOption]:
@@ -95,6 +73,30 @@ def merge_kinds(labels: Mapping[str, str]) -> list[AspectOption]:
         AspectOption(id=leaves[0], label=seen_label(labels[leaves[0]]), leaves=tuple(leaves))
         for leaves in groups.values()
     ]
+
+
+def _needs_place(kind: AspectOption) -> bool:
+    """Return whether a kind can be shown in certain places only, e.g. on a bridge."""
+    return any(concept.kind == "place" for concept in visible_naming(kind.label).concepts)
+
+
+def _kinds_by_map(
+    kinds: Sequence[AspectOption], leaves: Mapping[str, str], maps: Mapping[str, str]
+) -> dict[str, list[AspectOption]]:
+    """Return the kinds that the scenes of every map show, from the leaf and the map of every scene."""
+    by_map: dict[str, list[AspectOption]] = {}
+    for scene_id, map_name in sorted(maps.items()):
+        shown = by_map.setdefault(map_name, [])
+        leaf = leaves.get(scene_id, "")
+        shown += [kind for kind in kinds if kind not in shown and kind.holds(leaf)]
+    return by_map
+
+
+def _list_numbers(parts: Sequence[Sequence[AspectOption]]) -> dict[str, int]:
+    """Return the number of the part that holds each leaf."""
+    return {
+        leaf: number for number, part in enumerate(parts) for kind in part for leaf in kind.leaves
+    }
 
 
 def _look(label: str) -> object:
@@ -117,7 +119,7 @@ def _filled(
     families: Mapping[str, tuple[str, ...]],
 ) -> tuple[AspectOption, ...]:
     """Return a list of `LISTED` kinds, if there are that many: the part, then kin of it, then others."""
-    near = {families[kind.id] for kind in part}
+    part_families = {families[kind.id] for kind in part}
     rest = [kind for kind in spare if kind not in part]
-    rest.sort(key=lambda kind: families[kind.id] not in near)
+    rest.sort(key=lambda kind: families[kind.id] not in part_families)
     return (*part, *rest[: LISTED - len(part)])

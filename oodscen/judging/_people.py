@@ -24,7 +24,7 @@ def as_name(text: str) -> str:
     return unicodedata.normalize("NFC", text)
 
 
-def _own_name(name: str) -> str:
+def _checked_name(name: str) -> str:
     if any(map(is_unseen, name)):
         raise ValueError("has characters that do not show or turn the direction of writing")
     if is_without_pictures(name):
@@ -34,9 +34,9 @@ def _own_name(name: str) -> str:
 
 Name = Annotated[
     str,
-    BeforeValidator(lambda given: as_name(given) if isinstance(given, str) else given),
+    BeforeValidator(lambda value: as_name(value) if isinstance(value, str) else value),
     StringConstraints(pattern=r"^[\w.-]([\w .-]{0,38}[\w.-])?$"),
-    AfterValidator(_own_name),
+    AfterValidator(_checked_name),
 ]
 
 
@@ -81,6 +81,7 @@ def person(name: str) -> str:
 
 
 def _by_token(episodes: Iterable[Episode]) -> dict[str, str]:
+    """Return the ids of scenes and ordinary drives by their tokens."""
     return {token(episode): episode.scene_id for episode in episodes if episode.frames}
 
 
@@ -103,7 +104,7 @@ class PersonAnswers(CaseAnswerer):
 
     @classmethod
     def matched(
-        cls, given: QuizAnswers, episodes: Iterable[Episode], source: str = ""
+        cls, quiz: QuizAnswers, episodes: Iterable[Episode], source: str = ""
     ) -> "PersonAnswers":
         """Return the answers of a file to the drives of a study.
 
@@ -113,17 +114,17 @@ class PersonAnswers(CaseAnswerer):
             DataError: If an answer is about no drive of the study, or two are about one.
         """
         items = _by_token(episodes)
-        issues, found = [], dict[str, QuizAnswer]()
-        for index, answer in enumerate(given.answers):
+        issues, answers = [], dict[str, QuizAnswer]()
+        for index, answer in enumerate(quiz.answers):
             if answer.item not in items:
                 issues.append(Issue(f"answers[{index}]", "it is about no drive of this study"))
-            elif items[answer.item] in found:
+            elif items[answer.item] in answers:
                 issues.append(Issue(f"answers[{index}]", "this drive has two answers"))
             else:
-                found[items[answer.item]] = answer
+                answers[items[answer.item]] = answer
         if issues:
-            raise DataError(QuizAnswers.noun, issues, source=source or given.id)
-        return cls(given.id, found)
+            raise DataError(QuizAnswers.noun, issues, source=source or quiz.id)
+        return cls(quiz.id, answers)
 
     @classmethod
     def load(cls, store: "Store", name: str, episodes: Iterable[Episode]) -> "PersonAnswers":
@@ -135,10 +136,10 @@ class PersonAnswers(CaseAnswerer):
                 f"(oodscen evaluate {store.folder} --drop {shlex.quote(person(name))})"
             )
             raise DataError(QuizAnswers.noun, [Issue("", f"{PEOPLE} lacks {name!r}: {remedy}")])
-        answers = QuizAnswers.parse(lines[as_name(name)], source=f"{PEOPLE}, {name}")
+        quiz = QuizAnswers.parse(lines[as_name(name)], source=f"{PEOPLE}, {name}")
         items = _by_token(episodes)
         return cls(
-            name, {items[answer.item]: answer for answer in answers.answers if answer.item in items}
+            name, {items[answer.item]: answer for answer in quiz.answers if answer.item in items}
         )
 
     def judge(self, case: Case) -> Answers:
@@ -146,9 +147,9 @@ class PersonAnswers(CaseAnswerer):
         answer = self.items[case.episode.scene_id]
         listed = {option.id for option in case.options}
         return Answers(
-            answer.is_ood,
-            answer.aspect if answer.is_ood else "",
-            answer.confidence,
-            answer.choice if answer.choice in listed else None,
-            answer.action,
+            is_ood=answer.is_ood,
+            aspect=answer.aspect if answer.is_ood else "",
+            confidence=answer.confidence,
+            choice=answer.choice if answer.choice in listed else None,
+            action=answer.action,
         )

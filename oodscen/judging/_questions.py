@@ -1,9 +1,8 @@
 """The questions about one drive: as they are asked, and as their answers are read."""
 
-import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Generic, Self, TypeVar
 
 from pydantic import BaseModel
@@ -52,10 +51,9 @@ OPTIONS = tuple(
 """The discrete actions as they are offered to a model."""
 
 NOTHING_UNUSUAL = AspectOption(id=NOTHING, label="Nothing is out of the ordinary")
-KEPT_REASONING = 600
-"""Maximum length of a model's reasoning that is stored, in characters."""
-ASPECT_LENGTH = 500
-"""Maximum length of an aspect that is stored, in characters."""
+_LONGEST_REASONING = 600
+_LONGEST_ASPECT = 500
+"""Maximum lengths of stored texts, in characters."""
 ATTEMPTS = 2
 """Maximum number of attempts per question; an unreadable answer is asked for once more."""
 
@@ -70,7 +68,7 @@ def aspect_options(
 
 
 @dataclass(frozen=True)
-class Shown:
+class ShownDrive:
     """The frames of one drive in order, and its facts, as a model sees them."""
 
     images: tuple[Image, ...]
@@ -94,26 +92,29 @@ class Shown:
         `is_present` is true if the last frame shows the decision; `rear` is the view from the rear window then.
         """
         order = in_order(frames)
-        times = tuple(episode.frame_times_s.get(moment, math.nan) for moment in order)
-        follower, behind = episode.follower, None
-        if follower is not None:
-            what = re.sub(r"[\W_]+", " ", follower.what).strip()
-            behind = f"{'an' if what[:1] in set('aeiou') else 'a'} {what}"
-        elif episode.ego_speed_mps is not None:
-            behind = ""
+        has_times = all(moment in episode.frame_times_s for moment in order)
+        follower = episode.follower
         facts = DriveFacts(
-            times_s=() if any(map(math.isnan, times)) else times,
+            times_s=tuple(episode.frame_times_s[moment] for moment in order) if has_times else (),
             ego_speed_mps=episode.ego_speed_mps,
             is_present=is_present,
-            behind=behind,
+            behind=_behind(episode),
             gap_m=follower.gap_m if follower else 0.0,
             follower_speed_mps=follower.speed_mps if follower else 0.0,
         )
         return cls(tuple(frames[moment] for moment in order), facts, rear)
 
-    def without_pictures(self) -> "Shown":
+    def without_pictures(self) -> Self:
         """Return the same facts with the pictures withheld."""
-        return Shown((), self.facts, None, len(self.images))
+        return replace(self, images=(), rear=None, withheld=len(self.images))
+
+
+def _behind(episode: Episode) -> str | None:
+    """Return who follows the ego; empty if nobody does, `None` if it was not recorded."""
+    if episode.follower is None:
+        return None if episode.ego_speed_mps is None else ""
+    noun = re.sub(r"[\W_]+", " ", episode.follower.what).strip()
+    return f"{'an' if noun.startswith(tuple('aeiou')) else 'a'} {noun}"
 
 
 @dataclass(frozen=True)
@@ -158,14 +159,14 @@ def naming_reader(protocol: Protocol = "ours") -> AnswerReader[Any, Any]:
     return AnswerReader(
         NameAspect.purpose,
         read_aspect,
-        lambda raw, found: OodAspect(
-            is_ood=found.is_ood, aspect=found.aspect, confidence=found.confidence
+        lambda raw, detected: OodAspect(
+            is_ood=detected.is_ood, aspect=detected.aspect, confidence=detected.confidence
         ),
         '"is_ood": true or false, and where it is true "aspect": one short noun phrase',
-        lambda found: {
-            "is_ood": found.is_ood,
-            "confidence": found.confidence,
-            "aspect": found.aspect[:ASPECT_LENGTH],
+        lambda answer: {
+            "is_ood": answer.is_ood,
+            "confidence": answer.confidence,
+            "aspect": answer.aspect[:_LONGEST_ASPECT],
         },
     )
 
@@ -190,16 +191,16 @@ def acting_reader() -> AnswerReader[str, ChosenAction]:
         lambda raw: read_action(raw, ACTIONS),
         lambda raw, name: ChosenAction(action=name, reasoning=reasoning_in(raw)),
         f'"action": exactly one of {", ".join(ACTIONS)}',
-        lambda chosen: {
-            "action": chosen.action,
-            "reasoning": chosen.reasoning[:KEPT_REASONING],
-            "contradiction": contradiction(chosen.reasoning, chosen.action, ACTIONS),
+        lambda answer: {
+            "action": answer.action,
+            "reasoning": answer.reasoning[:_LONGEST_REASONING],
+            "contradiction": contradiction(answer.reasoning, answer.action, ACTIONS),
         },
     )
 
 
 def naming_prompt(
-    shown: Shown, descriptions: tuple[str, ...] = (), protocol: Protocol = "ours"
+    shown: ShownDrive, descriptions: tuple[str, ...] = (), protocol: Protocol = "ours"
 ) -> DriveQuestion[Any]:
     """Return the first task's open question."""
     kind = NameOodAspect if protocol == "paper" else NameAspect
@@ -207,7 +208,7 @@ def naming_prompt(
 
 
 def choosing_prompt(
-    shown: Shown, options: Sequence[AspectOption], descriptions: tuple[str, ...] = ()
+    shown: ShownDrive, options: Sequence[AspectOption], descriptions: tuple[str, ...] = ()
 ) -> ChooseAspect:
     """Return the closed question."""
     return ChooseAspect(
@@ -217,7 +218,7 @@ def choosing_prompt(
 
 
 def acting_prompt(
-    shown: Shown, descriptions: tuple[str, ...] = (), protocol: Protocol = "ours"
+    shown: ShownDrive, descriptions: tuple[str, ...] = (), protocol: Protocol = "ours"
 ) -> ChooseAction:
     """Return the second task's question."""
     return ChooseAction(
@@ -227,7 +228,7 @@ def acting_prompt(
     )
 
 
-def _common_fields(shown: Shown, descriptions: tuple[str, ...]) -> dict[str, Any]:
+def _common_fields(shown: ShownDrive, descriptions: tuple[str, ...]) -> dict[str, Any]:
     """Return the fields that every question about a drive has."""
     return {
         "frames": shown.images,
@@ -245,4 +246,4 @@ def paragraphs(prompt: DriveQuestion[Any]) -> list[str]:
 
 def _named_fields(answer: NamedAspect) -> dict[str, Any]:
     is_ood = not names_nothing(answer.aspect)
-    return {"is_ood": is_ood, "aspect": answer.aspect[:ASPECT_LENGTH] if is_ood else ""}
+    return {"is_ood": is_ood, "aspect": answer.aspect[:_LONGEST_ASPECT] if is_ood else ""}

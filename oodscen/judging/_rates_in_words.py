@@ -34,17 +34,23 @@ def bracketed_points(difference: WithInterval) -> str:
     """Return the interval of a difference of two shares in brackets, in percentage points; empty without one."""
     if difference.interval is None:
         return ""
-    ends = (round(100 * end) for end in (difference.interval.low, difference.interval.high))
-    low, high = (f"{end:+d}" if end else "0" for end in ends)
-    return f" [{low}{_TO}{high}]".replace("-", "\N{MINUS SIGN}")
+    low, high = map(_points, (difference.interval.low, difference.interval.high))
+    return f" [{low}{_TO}{high}]"
 
 
-def lead(difference: float, than: str) -> str:
-    """Return a difference of two shares in words, in percentage points."""
+def _points(difference: float) -> str:
+    """Return a difference of two shares as whole percentage points with a sign."""
+    points = round(100 * difference)
+    return f"{points:+d}".replace("-", "\N{MINUS SIGN}") if points else "0"
+
+
+def lead(difference: float, other: str) -> str:
+    """Return the lead over another answerer or driver in words, in percentage points."""
     points = round(100 * difference)
     if not points:
-        return f"as many as {than}"
-    return f"{number_of(abs(points), 'percentage point')} {'more' if points > 0 else 'fewer'} than {than}"
+        return f"as many as {other}"
+    size = number_of(abs(points), "percentage point")
+    return f"{size} {'more' if points > 0 else 'fewer'} than {other}"
 
 
 def number_of(count: int, noun: str) -> str:

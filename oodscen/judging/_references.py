@@ -84,8 +84,8 @@ def is_reference(model: object) -> bool:
 
 def takes_cases(model: object) -> TypeGuard[Reference]:
     """Return whether an answerer takes cases: every reference, and a person's recorded answers."""
-    is_meant = is_reference(model) or optional(model, "takes_cases", False) is True
-    return is_meant and isinstance(model, Reference)
+    says_so = is_reference(model) or optional(model, "takes_cases", False) is True
+    return says_so and isinstance(model, Reference)
 
 
 class CaseAnswerer(Brief):
@@ -123,9 +123,9 @@ class Oracle(CaseAnswerer):
 class Blind(CaseAnswerer):
     """Sees the questions but no picture, and gives the answers that are most often right.
 
-    It calls everything OOD with a confidence of one half, names the most frequent leaf of the other paths, and
-    chooses the action that is most often safe in the scenes and twins of other paths. This is the score within
-    reach of a model that has read about the benchmark and never looks.
+    It calls everything OOD with a confidence of one half, names the most frequent leaf of the other paths, picks the
+    most frequent leaf of those in the list, and chooses the action that is most often safe in the scenes and twins
+    of other paths. This is the score within reach of a model that has read about the benchmark and never looks.
 
     Args:
         episodes: Episodes of the study, for the prior.
@@ -148,9 +148,9 @@ class Blind(CaseAnswerer):
             self._count[leaf] += not episode.is_ordinary
 
     def judge(self, case: Case) -> Answers:
-        """Return the same answers everywhere, up to the prior from the other paths."""
-        own = self._safe_of.get(case.leaf, Counter[str]())
-        action = max(ACTIONS, key=lambda name: self._safe[name] - own[name])
+        """Return the same answers everywhere, up to the list and the prior from the other paths."""
+        safe_on_path = self._safe_of.get(case.leaf, Counter[str]())
+        action = max(ACTIONS, key=lambda name: self._safe[name] - safe_on_path[name])
         others = [leaf for leaf in sorted(self._count) if leaf != case.leaf]
         leaf = max(others, key=lambda name: self._count[name], default=case.leaf)
         listed = sorted(option.id for option in case.options if option.id != NOTHING)
@@ -178,33 +178,28 @@ class NoveltyReference(CaseAnswerer):
 
     def __init__(self, pictures: Mapping[str, Path], maps: Mapping[str, str]) -> None:
         self._share: dict[str, float] = {}
+        """The share of ordinary frames with less novelty, by scene id."""
         names = [name for name, file in pictures.items() if name in maps and file.is_file()]
         if not names:
             return
-        seen = np.array([features(pictures[name]) for name in names])
-        where = np.array([maps[name] for name in names])
-        twins = np.array([is_ordinary(name) for name in names])
-        scores = np.zeros(len(names))
-        for one in sorted(set(maps.values())):
-            here, ordinary = where == one, twins & (where != one)
-            if not ordinary.any():
-                ordinary = twins
-            if here.any() and ordinary.any():
-                scores[here] = _distances(seen[here], seen[ordinary])
-        usual = np.sort(scores[twins]) if twins.any() else np.sort(scores)
-        for name, score in zip(names, scores, strict=True):
-            below = float(np.searchsorted(usual, score, side="left"))
-            upto = float(np.searchsorted(usual, score, side="right"))
-            self._share[name] = 0.5 * (below + upto) / len(usual)
+        rows = np.array([features(pictures[name]) for name in names])
+        map_names = np.array([maps[name] for name in names])
+        ordinary = np.array([is_ordinary(name) for name in names])
+        novelty = _novelty(rows, map_names, ordinary)
+        usual = np.sort(novelty[ordinary] if ordinary.any() else novelty)
+        below = np.searchsorted(usual, novelty, side="left")
+        up_to = np.searchsorted(usual, novelty, side="right")
+        shares = 0.5 * (below + up_to) / len(usual)
+        self._share.update(zip(names, shares.tolist(), strict=True))
 
     def judge(self, case: Case) -> Answers:
         """Answer from the novelty of the last frame."""
         share = self._share.get(case.episode.scene_id, 0.5)
         is_ood = share > 0.5
-        sure = round(share if is_ood else 1.0 - share, 6)
+        confidence = round(share if is_ood else 1.0 - share, 6)
         if is_ood:
-            return Answers(True, "", sure, None, "stop")
-        return Answers(False, "", sure, NOTHING, "keep_speed")
+            return Answers(True, confidence=confidence, action="stop")
+        return Answers(False, confidence=confidence, choice=NOTHING, action="keep_speed")
 
 
 NAMED = (*(f"constant:{action}" for action in ACTIONS), "random")
@@ -239,10 +234,22 @@ def features(picture: Path) -> Features:
     return np.concatenate([part.ravel() for part in (mean, spread, edge)]).astype(np.float64)
 
 
-def _distances(seen: Features, ordinary: Features) -> Features:
+def _novelty(rows: Features, map_names: NDArray[np.str_], ordinary: NDArray[np.bool_]) -> Features:
+    """Return the [n] distances of pictures to the nearest ordinary ones on other maps; without any, on all."""
+    novelty = np.zeros(len(rows))
+    for map_name in np.unique(map_names):
+        is_here = map_names == map_name
+        elsewhere = ordinary & ~is_here
+        others = elsewhere if elsewhere.any() else ordinary
+        if others.any():
+            novelty[is_here] = _distances(rows[is_here], rows[others])
+    return novelty
+
+
+def _distances(rows: Features, ordinary: Features) -> Features:
     """Return the mean distance to the five nearest ordinary rows, with features scaled by their spread."""
     scale = ordinary.std(axis=0) + 1.0
-    a, b = seen / scale, ordinary / scale
+    a, b = rows / scale, ordinary / scale
     square = (a * a).sum(axis=1)[:, None] + (b * b).sum(axis=1)[None] - 2.0 * a @ b.T
     near = np.sort(np.maximum(square, 0.0), axis=1)[:, :5]
     mean: Features = np.round(np.sqrt(near).mean(axis=1), 6)

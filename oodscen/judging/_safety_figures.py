@@ -50,16 +50,18 @@ def safety_figures(episodes: Sequence[Episode]) -> SafetyFigures:
         n=n,
         decidable=sum(episode.is_decidable for episode in ran) / n,
         base_rate=sum(rates) / n,
-        actions={name: _of_action(name, ran) for name in names},
-        all_safe=tuple(one.id for one in ran if one.safe_set and not one.is_decidable),
-        none_safe=tuple(one.id for one in ran if not one.safe_set),
+        actions={name: _action_safety(name, ran) for name in names},
+        all_safe=tuple(
+            episode.id for episode in ran if episode.safe_set and not episode.is_decidable
+        ),
+        none_safe=tuple(episode.id for episode in ran if not episode.safe_set),
         with_followers=sum(bool(episode.followers) for episode in ran),
         restaged={episode.id: episode.restaged for episode in ran if episode.restaged},
     )
 
 
-def _of_action(name: str, ran: Sequence[Episode]) -> ActionSafety:
-    outcomes = [episode.actions[name] for episode in ran if name in episode.actions]
+def _action_safety(name: str, episodes: Sequence[Episode]) -> ActionSafety:
+    outcomes = [episode.actions[name] for episode in episodes if name in episode.actions]
     n = max(1, len(outcomes))
     return ActionSafety(
         safe=sum(outcome.safe for outcome in outcomes) / n,

@@ -15,6 +15,7 @@ from oodscen.data._pairing import demand_id, is_ordinary, twin_id
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import DUSK_DEG, FOG_M, Scene, Weather
 from oodscen.data._verdict import Verdict
+from oodscen.errors import UnknownComponent, UsageError
 from oodscen.judging._leaderboard.standings import outcome_of
 from oodscen.report import _phrasing as words
 from oodscen.report._charts.canvas import signed
@@ -32,25 +33,27 @@ _SLIPPERY = 0.5
 Row = dict[str, Any]
 
 
-def payload(found: Material, folder: Path) -> Row:
+def payload(material: Material, folder: Path) -> Row:
     """Return the data about the scenes for the page's script.
 
     Args:
-        found: The study.
+        material: The study.
         folder: Folder of the study, which holds its frames.
     """
-    gallery = _Gallery(found, folder)
+    gallery = _Gallery(material, folder)
     rows = [gallery.scene(name) for name in gallery.names]
     order = {leaf: index for index, leaf in enumerate(gallery.leaves)}
     rows.sort(key=lambda row: order[row["leaf"]])
-    tree = found.trees.get("simulatable")
+    tree = material.trees.get("simulatable")
     attested = {leaf.id for leaf in tree.leaves if leaf.attested} if tree else set()
     return {
         "leaves": {
             leaf: {"path": list(gallery.leaves[leaf][1:]), "attested": leaf in attested}
             for leaf in dict.fromkeys(row["leaf"] for row in rows)
         },
-        "models": [{"name": name, "kind": kind} for name, kind in _kinds(found.verdicts).items()],
+        "models": [
+            {"name": name, "kind": kind} for name, kind in _kinds(material.verdicts).items()
+        ],
         "scenes": rows,
     }
 
@@ -58,32 +61,32 @@ def payload(found: Material, folder: Path) -> Row:
 class _Gallery:
     """A study's scenes and ordinary drives, with all that is known of each, by id."""
 
-    def __init__(self, found: Material, folder: Path) -> None:
+    def __init__(self, material: Material, folder: Path) -> None:
         self._folder = folder
-        self._scenarios = by_key(found.scenarios, lambda row: row.id)
-        self._scenes = by_key(found.scenes, lambda row: row.id)
-        self._demands = by_key(found.demands, lambda row: row.id)
-        self._episodes = by_key(found.episodes, lambda row: row.scene_id)
+        self._scenarios = by_key(material.scenarios, lambda row: row.id)
+        self._scenes = by_key(material.scenes, lambda row: row.id)
+        self._demands = by_key(material.demands, lambda row: row.id)
+        self._episodes = by_key(material.episodes, lambda row: row.scene_id)
         self._failed = {
             failure.id: f"{_STAGES[failure.stage]} failed: {failure.error}"
-            for failure in found.failures
+            for failure in material.failures
             if failure.stage in _STAGES
         }
-        self._scores, self._band = _scores(found), _band(found.config)
-        places = {name: index for index, name in enumerate(_kinds(found.verdicts))}
+        self._scores, self._band = _scores(material), _band(material.config)
+        index_of = {name: index for index, name in enumerate(_kinds(material.verdicts))}
         self._answers: dict[str, list[Row]] = {}
-        for verdict in found.verdicts:
-            row = _answer(verdict, places[_name(verdict)])
+        for verdict in material.verdicts:
+            row = _answer(verdict, index_of[_name(verdict)])
             self._answers.setdefault(verdict.scene_id, []).append(row)
-        tree = found.trees.get("simulatable")
+        tree = material.trees.get("simulatable")
         self.leaves: dict[str, tuple[str, ...]] = dict(tree.paths) if tree else {}
         """The paths of the simulatable tree in order, followed by those of scenes without a leaf in it."""
 
     @property
     def names(self) -> list[str]:
         """Ids of everything that was to become a scene, in order."""
-        known = (*self._scenarios, *self._scenes, *self._episodes, *self._failed)
-        return [name for name in dict.fromkeys(known) if not is_ordinary(name)]
+        names = (*self._scenarios, *self._scenes, *self._episodes, *self._failed)
+        return [name for name in dict.fromkeys(names) if not is_ordinary(name)]
 
     def scene(self, name: str) -> Row:
         """Return a scene with its ordinary drives."""
@@ -118,7 +121,7 @@ class _Gallery:
         """Return the ordinary twin of a scene, if it was simulated."""
         episode, staged = self._episodes.get(name), None
         if scene is not None and episode is not None and episode.decision_s is not None:
-            with suppress(ValueError):
+            with suppress(UsageError, ValueError):
                 staged = scene.twin(episode.decision_s)
         return self._ordinary(name, (scenario.ordinary or "") if scenario else "", staged)
 
@@ -172,14 +175,17 @@ def choice(episode: Episode) -> str:
 def conditions(weather: Weather) -> list[str]:
     """Return the filter terms that match a weather."""
     sun = weather.sun_elevation_deg
-    found = ["night" if sun <= DUSK_DEG else "twilight" if sun < _LOW_SUN_DEG else "day"]
+    light = "day"
+    if sun < _LOW_SUN_DEG:
+        light = "night" if sun <= DUSK_DEG else "twilight"
+    adverse = []
     if weather.fog_visual_range_m < FOG_M:
-        found.append("fog")
+        adverse.append("fog")
     if weather.precipitation != "none":
-        found.append(weather.precipitation)
+        adverse.append(weather.precipitation)
     if weather.friction <= _SLIPPERY:
-        found.append("slippery road")
-    return found if len(found) > 1 else [*found, "clear"]
+        adverse.append("slippery road")
+    return [light, *(adverse or ["clear"])]
 
 
 def _name(verdict: Verdict) -> str:
@@ -204,13 +210,21 @@ def _frames(episode: Episode, folder: Path) -> list[Row]:
         return []
     times = episode.frame_times_s
     rows = []
-    for moment in in_order(episode.frames or MOMENTS):
-        found = picture(folder, episode.frames.get(moment))
+    for moment in _moments(episode):
+        frame = picture(folder, episode.frames.get(moment))
         caption = f"{moment} · {seconds(times[moment])}" if moment in times else moment
         rows.append(
-            {"moment": moment, "caption": caption, "href": found.href, "problem": found.problem}
+            {"moment": moment, "caption": caption, "href": frame.href, "problem": frame.problem}
         )
     return rows
+
+
+def _moments(episode: Episode) -> tuple[str, ...]:
+    """Return the moments of an episode's frames in order of time; if one is no moment, all as they were recorded."""
+    try:
+        return in_order(episode.frames or MOMENTS)
+    except UnknownComponent:
+        return tuple(episode.frames)
 
 
 def _outcomes(episode: Episode, names: Mapping[str, str]) -> list[Row]:
@@ -242,8 +256,11 @@ def _sketch(sketch: Sketch, names: Mapping[str, str]) -> Row:
         },
         "names": {name: names[name] for name in sketch.bodies if name in names},
         "paths": {action: list(path) for action, path in sketch.paths.items()},
-        "ends": {action: {name: list(end) for name, end in found.items()} for action, found in sketch.ends.items()},
-    }  # fmt: skip
+        "ends": {
+            action: {name: list(end) for name, end in ends.items()}
+            for action, ends in sketch.ends.items()
+        },
+    }
 
 
 def _answer(verdict: Verdict, model: int) -> Row:
@@ -279,13 +296,13 @@ def _cut(text: str) -> str:
     return text if len(text) <= _LONGEST else f"{text[:_LONGEST]} … ({len(text):,} characters)"
 
 
-def _scores(found: Material) -> dict[str, tuple[float, str]]:
+def _scores(material: Material) -> dict[str, tuple[float, str]]:
     """Return OOD-ness and nearest ordinary text by scenario, if scores and texts match."""
-    report = found.metrics and found.metrics.sets.get("simulatable")
-    if not report or len(report.oodness.per_text) != len(found.scenarios):
+    report = material.metrics and material.metrics.sets.get("simulatable")
+    if not report or len(report.oodness.per_text) != len(material.scenarios):
         return {}
-    own = zip(found.scenarios, report.oodness.per_text, report.oodness.nearest, strict=True)
-    return {scenario.id: (value, near.text) for scenario, value, near in own}
+    rows = zip(material.scenarios, report.oodness.per_text, report.oodness.nearest, strict=True)
+    return {scenario.id: (value, nearest.text) for scenario, value, nearest in rows}
 
 
 def _band(config: Mapping[str, Any]) -> tuple[float, float] | None:
@@ -354,11 +371,13 @@ def _facts(episode: Episode, names: Mapping[str, str]) -> list[list[str]]:
 
 
 def _sighting(episode: Episode, names: Mapping[str, str]) -> str:
-    if (look := episode.sighting) is None:
+    sighting = episode.sighting
+    if sighting is None:
         return ""
-    name = names.get(look.actor, words.plain_words(look.actor))
-    faults = f"; not judged, since it is {' and '.join(look.faults)}" if look.faults else ""
-    return f"{name}, {look.height_px:g} pixels high in a picture of 480 rows, {look.distance_m:g} m away{faults}"
+    name = names.get(sighting.actor, words.plain_words(sighting.actor))
+    size = f"{sighting.height_px:g} pixels high in a picture of 480 rows"
+    faults = f"; not judged, since it is {' and '.join(sighting.faults)}" if sighting.faults else ""
+    return f"{name}, {size}, {sighting.distance_m:g} m away{faults}"
 
 
 def _followers(episode: Episode, names: Mapping[str, str]) -> str:

@@ -5,13 +5,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from oodscen.data._verdict import NOTHING, Protocol
+from oodscen.data._verdict import NOTHING, Protocol, Verdict
 from oodscen.judging._aspects.labelled import agreement_in_words
 from oodscen.judging._items import last_by
 from oodscen.judging._leaderboard.board import Leaderboard
 from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._leaderboard.paper_example import paper_example
-from oodscen.judging._leaderboard.requirements import ALPHA, Bar, requirements
+from oodscen.judging._leaderboard.requirements import (
+    ALPHA,
+    Bar,
+    RequirementResult,
+    requirements,
+)
 from oodscen.judging._leaderboard.rows import PRIVILEGED, LeaderboardRow, Rate
 from oodscen.judging._leaderboard.sentences import constants
 from oodscen.report._charts import scores as charts
@@ -50,30 +55,36 @@ class Confused:
         return len(self.labels) > charts.MOST_BESIDE
 
 
-def board(found: Material) -> Leaderboard:
+def study_board(material: Material) -> Leaderboard:
     """Return the leaderboard of a study."""
     return leaderboard(
-        found.verdicts, found.episodes, found.scenarios, whole=found.whole, audit=found.audit
+        material.verdicts,
+        material.episodes,
+        material.scenarios,
+        whole=material.whole,
+        audit=material.audit,
     )
 
 
-def context(found: Material, board: Leaderboard, bars: Sequence[Bar] = ()) -> dict[str, Any]:
+def leaderboard_variables(
+    material: Material, board: Leaderboard, bars: Sequence[Bar]
+) -> dict[str, Any]:
     """Return the template's variables about models; `bars` are a requirement to grade them by."""
     shown = _series(board)
     level = _level(board)
-    rows = [*board.standings, *([board.shortcut] if board.shortcut else [])]
+    grades: list[RequirementResult] = []
+    if bars and material.are_verdicts_whole:
+        grades = requirements(
+            material.verdicts, material.episodes, material.scenarios, bars, seed=board.seed
+        )
     return {
         "board": board,
         "constants": constants(board),
-        "judge_agreement": agreement_in_words(found.info),
+        "judge_agreement": agreement_in_words(material.info),
         "bars": ", ".join(map(str, bars)),
-        "grades": requirements(
-            found.verdicts, found.episodes, found.scenarios, bars, seed=board.seed
-        )
-        if bars and found.are_verdicts_whole
-        else [],
+        "grades": grades,
         "alpha": ALPHA,
-        "both": [_line(row, board.shortcut, _best_blind(board)) for row in rows],
+        "both": [_line(row, board.shortcut, _best_blind(board)) for row in board.rows],
         "lines": [_line(row, board.floor("control")) for row in board.standings],
         "noticing": [_line(row, board.floor("closed")) for row in _without_repeats(board)],
         "has_twins": any(row.detection.specificity.n for row in board.standings),
@@ -83,7 +94,7 @@ def context(found: Material, board: Leaderboard, bars: Sequence[Bar] = ()) -> di
         "type_level": level,
         "chart_named": _chart(shown, level, "open", "Aspect named"),
         "chart_safe": _chart(shown, level, "safe", "Safe action chosen"),
-        "confused": _confusions(board, found),
+        "confused": _confusions(material, board),
         "example": paper_example(),
     }
 
@@ -91,20 +102,20 @@ def context(found: Material, board: Leaderboard, bars: Sequence[Bar] = ()) -> di
 def _without_repeats(board: Leaderboard) -> list[LeaderboardRow]:
     """Return the rows of task 1, with one row for all constants, which differ in their action only."""
     rows: list[LeaderboardRow] = []
-    alike: list[LeaderboardRow] = []
+    constants: list[LeaderboardRow] = []
     for row in board.standings:
-        if row.model.startswith(_CONSTANT) and row.protocol == "ours":
-            alike.append(row)
-        else:
-            rows.append(row)
-    scores = {(row.detection.to_json(), row.identification.to_json()) for row in alike}
+        is_constant = row.model.startswith(_CONSTANT) and row.protocol == "ours"
+        (constants if is_constant else rows).append(row)
+    scores = {(row.detection.to_json(), row.identification.to_json()) for row in constants}
     if len(scores) > 1:
         return list(board.standings)
-    if alike:
-        name = alike[0].model if len(alike) == 1 else f"constant ({len(alike)} alike)"
+    if constants:
+        name = constants[0].model
+        if len(constants) > 1:
+            name = f"constant ({len(constants)} alike)"
         floor = board.floor("closed")
-        kept = floor if floor in alike else alike[0]
-        rows.append(kept.model_copy(update={"model": name}))
+        shown = floor if floor in constants else None
+        rows.append((shown or constants[0]).model_copy(update={"model": name}))
     return rows
 
 
@@ -121,10 +132,9 @@ def _line(row: LeaderboardRow, *floors: LeaderboardRow | None) -> PrintedRow:
         for floor in floors
         if floor is not None
     )
-    return PrintedRow(
-        standing=row,
-        role="ceiling" if row.model == PRIVILEGED else "floor" if is_floor else "",
-    )
+    if row.model == PRIVILEGED:
+        return PrintedRow(row, "ceiling")
+    return PrintedRow(row, "floor" if is_floor else "")
 
 
 def _series(board: Leaderboard) -> list[LeaderboardRow]:
@@ -146,77 +156,81 @@ def _level(board: Leaderboard) -> str:
     return "family" if paths > _MOST_TYPES and families else "path"
 
 
-def _chart(shown: Sequence[LeaderboardRow], level: str, field: str, what: str) -> Canvas | None:
+def _chart(shown: Sequence[LeaderboardRow], level: str, field: str, title: str) -> Canvas | None:
+    """Draw one figure of every group of scenes, with a bar per model; `None` if no answer scores."""
     if not shown:
         return None
-    found = [{group.name: group for group in row.groups if group.level == level} for row in shown]
+    groups_of_rows = [
+        {group.name: group for group in row.groups if group.level == level} for row in shown
+    ]
     rows = []
-    for name, group in found[0].items():
-        rates: list[Rate | None] = [
-            getattr(groups[name], field) if name in groups else None for groups in found
+    for name, group in groups_of_rows[0].items():
+        bars = [
+            _bar(getattr(groups[name], field)) if name in groups else None
+            for groups in groups_of_rows
         ]
-        rows.append(
-            charts.ScoreRow(
-                name, [_bar(rate) for rate in rates], group.chance if field == "safe" else None
-            )
-        )
+        rows.append(charts.ScoreRow(name, bars, group.chance if field == "safe" else None))
     if not any(bar for row in rows for bar in row.bars):
         return None
-    return charts.bars(rows, [row.model for row in shown], what)
+    return charts.bars(rows, [row.model for row in shown], title)
 
 
-def _bar(rate: Rate | None) -> charts.ScoreBar | None:
-    if rate is None or not rate.n or rate.interval is None:
+def _bar(rate: Rate) -> charts.ScoreBar | None:
+    if not rate.n or rate.interval is None:
         return None
     return charts.ScoreBar(rate.hits, rate.n, rate.interval.low, rate.interval.high)
 
 
-def _confusions(board: Leaderboard, found: Material) -> list[Confused]:
+def _confusions(material: Material, board: Leaderboard) -> list[Confused]:
     """Return the confusions of the models, at the level of the charts."""
     level = _level(board)
-    labels = {s.leaf: _label(s.path, level) for s in found.scenarios}
-    names = {s.leaf: s.path[-1] if s.path else s.leaf for s in found.scenarios}
+    labels = {text.leaf: _label(text.path, level) for text in material.scenarios}
+    names = {text.leaf: text.path[-1] if text.path else text.leaf for text in material.scenarios}
+    names[NOTHING] = "nothing unusual"
     order = list(dict.fromkeys(labels.values()))
-    place = {label: index for index, label in enumerate(order)}
-    right = _right_choices(found)
-    rows = []
-    for row in [row for row in board.standings if row.is_judged][:_MOST_SERIES]:
+    index_of = {label: index for index, label in enumerate(order)}
+    right_choices = _right_choices(material)
+    models = [row for row in board.standings if row.is_judged][:_MOST_SERIES]
+    confused = []
+    for row in models:
         counts: Counter[tuple[int, int]] = Counter()
-        for leaf, count in right.get((row.model, row.protocol), {}).items():
-            counts[place[labels[leaf]], place[labels[leaf]]] += count
+        for leaf, count in right_choices.get((row.model, row.protocol), {}).items():
+            index = index_of[labels[leaf]]
+            counts[index, index] += count
         for confusion in row.confusions:
             if confusion.truth in labels:
-                column = place.get(labels.get(confusion.chosen, ""), len(order))
-                counts[place[labels[confusion.truth]], column] += confusion.count
+                column = index_of.get(labels.get(confusion.chosen, ""), len(order))
+                counts[index_of[labels[confusion.truth]], column] += confusion.count
         if counts:
             top = tuple(
                 (
                     names.get(confusion.truth, confusion.truth),
-                    "nothing unusual"
-                    if confusion.chosen == NOTHING
-                    else names.get(confusion.chosen, confusion.chosen),
+                    names.get(confusion.chosen, confusion.chosen),
                     confusion.count,
                 )
                 for confusion in row.confusions[:_TOP_CONFUSIONS]
             )
-            rows.append(
-                Confused(row.model, charts.confusion(order, counts, len(order)), tuple(order), top)
-            )
-    return rows
+            chart = charts.confusion(order, counts)
+            confused.append(Confused(row.model, chart, tuple(order), top))
+    return confused
 
 
-def _right_choices(found: Material) -> dict[tuple[str, Protocol], Counter[str]]:
+def _right_choices(material: Material) -> dict[tuple[str, Protocol], Counter[str]]:
     """Count the right closed choices of every answerer by the leaf of their scenes.
 
     An option may stand for several leaves, so it need not name the leaf. Of several answers to a question the last counts.
     """
-    leaf_of = {s.id: s.leaf for s in found.scenarios}
+    leaf_of = {text.id: text.leaf for text in material.scenarios}
     right: dict[tuple[str, Protocol], Counter[str]] = {}
-    for verdict in last_by(found.verdicts, lambda one: (one.model, one.protocol, one.scene_id)):
+    for verdict in last_by(material.verdicts, _question):
         if verdict.choice_is_right and verdict.scene_id in leaf_of:
             counts = right.setdefault((verdict.model, verdict.protocol), Counter())
             counts[leaf_of[verdict.scene_id]] += 1
     return right
+
+
+def _question(verdict: Verdict) -> tuple[str, str, str]:
+    return verdict.model, verdict.protocol, verdict.scene_id
 
 
 def _label(path: Sequence[str], level: str) -> str:

@@ -131,51 +131,53 @@ def read(study: Study) -> Material:
     return material
 
 
-def _note_unanswered(found: Material) -> None:
+def _note_unanswered(material: Material) -> None:
     """Add the texts to which a model gave no ordinary twin, or no rarity, as failed items."""
-    counted = mapping(found.info.get("failures"))
+    counted = mapping(material.info.get("failures"))
     if counted.get("ordinary"):
-        largest = max(found.texts, key=int, default="")
-        found.failures += [
-            FailedItem("ordinary", one.id, "no ordinary text was written that could be read")
-            for one in (*found.scenarios, *found.texts.get(largest, ()))
-            if one.ordinary is None
+        largest = max(material.texts, key=int, default="")
+        material.failures += [
+            FailedItem("ordinary", text.id, "no ordinary text was written that could be read")
+            for text in (*material.scenarios, *material.texts.get(largest, ()))
+            if text.ordinary is None
         ]
-    rarity = found.metrics.asked if found.metrics else None
+    rarity = material.metrics.asked if material.metrics else None
     if counted.get("rarity") and rarity:
-        found.failures += [
+        material.failures += [
             FailedItem("rarity", scenario.id, "the model gave no rarity that could be read")
-            for scenario, text_rarity in zip(found.scenarios, rarity.per_text, strict=False)
+            for scenario, text_rarity in zip(material.scenarios, rarity.per_text, strict=False)
             if "not answered" in text_rarity.flags
         ]
 
 
-def _note_stale(study: Study, found: Material) -> None:
+def _note_stale(study: Study, material: Material) -> None:
     """Note the scenes that have changed since they were run, themselves or their texts.
 
     Without its scenes a study is incomplete anyway, and malformed tables have notes of their own.
     """
-    if not found.scenes or "scenes.jsonl" in found.gaps:
+    if not material.scenes or "scenes.jsonl" in material.gaps:
         return
     has_staged = study.store.has("staged.jsonl")
-    staged = _lines(study.store, "staged.jsonl", found) if has_staged else ()
+    staged = _lines(study.store, "staged.jsonl", material) if has_staged else ()
     changed = set[str]()
     with suppress(OodscenError):
         changed = changed_texts(study)
-    if stale := stale_scenes(found.episodes, [*found.scenes, *found.demands], staged, changed):
-        _note(found, "episodes.jsonl", in_words(stale))
+    if stale := stale_scenes(
+        material.episodes, [*material.scenes, *material.demands], staged, changed
+    ):
+        _note(material, "episodes.jsonl", in_words(stale))
 
 
-def _leave_out_stale(store: Store, found: Material) -> None:
+def _leave_out_stale(store: Store, material: Material) -> None:
     """Leave out the verdicts that do not belong to their drives as they are now, and note them."""
-    if not found.verdicts:
+    if not material.verdicts:
         return
     stored = _stored(store, TABLES["verdicts"], Verdict)
     scenes = _stored(store, TABLES["scenes"], Scene)
     try:
         tables = Tables(
             store,
-            StudyConfig.parse(found.config),
+            StudyConfig.parse(material.config),
             episodes=_stored(store, TABLES["episodes"], Episode),
             whole=_stored(store, "episodes.paper.jsonl", Episode),
             scenarios=_stored(store, TABLES["scenarios"], Scenario),
@@ -183,15 +185,15 @@ def _leave_out_stale(store: Store, found: Material) -> None:
         )
         stale = tables.stale(stored)
     except OodscenError as error:
-        found.verdicts = []
+        material.verdicts = []
         why = make_printable(str(error))
-        _note(found, "verdicts.jsonl", f"verdicts cannot be compared with their drives: {why}")
+        _note(material, "verdicts.jsonl", f"verdicts cannot be compared with their drives: {why}")
         return
     if stale:
-        ids = {make_printable(one.id) for one in stale}
-        found.verdicts = [verdict for verdict in found.verdicts if verdict.id not in ids]
-        found.are_verdicts_whole = False
-        _note(found, "verdicts.jsonl", f"{make_printable(stale_in_words(stale))}; left out here")
+        ids = {make_printable(verdict.id) for verdict in stale}
+        material.verdicts = [verdict for verdict in material.verdicts if verdict.id not in ids]
+        material.are_verdicts_whole = False
+        _note(material, "verdicts.jsonl", f"{make_printable(stale_in_words(stale))}; left out here")
 
 
 def mapping(value: object) -> Mapping[str, Any]:
@@ -208,10 +210,10 @@ def dig(value: object, *keys: str) -> Any:
 
 def number(value: object, *keys: str) -> float | None:
     """Return a finite number from nested mappings, or `None`."""
-    found = dig(value, *keys)
-    if isinstance(found, bool) or not isinstance(found, int | float):
+    number = dig(value, *keys)
+    if isinstance(number, bool) or not isinstance(number, int | float):
         return None
-    return float(found) if abs(found) < float("inf") else None
+    return float(number) if abs(number) < float("inf") else None
 
 
 def make_printable(value: Any) -> Any:
@@ -231,52 +233,52 @@ def make_printable(value: Any) -> Any:
 def _sizes(config: Mapping[str, Any]) -> list[str]:
     sizes = config.get("sets")
     numbers = sizes if isinstance(sizes, list) else [10, 100, 1000]
-    return [str(size) for size in numbers if isinstance(size, int)]
+    return [str(size) for size in numbers if isinstance(size, int) and not isinstance(size, bool)]
 
 
-def _object(store: Store, name: str, found: Material) -> dict[str, Any]:
-    content = _bytes(store, name, found)
+def _object(store: Store, name: str, material: Material) -> dict[str, Any]:
+    content = _bytes(store, name, material)
     if content is None:
         return {}
     try:
         return dict(make_printable(parse_object(content)))
     except ValueError as error:
-        found.gaps[name] = f"{name} cannot be read: {error}"
+        material.gaps[name] = f"{name} cannot be read: {error}"
         return {}
 
 
 def _value(
-    store: Store, name: str, parse: Callable[[dict[str, Any]], Value], found: Material
+    store: Store, name: str, parse: Callable[[dict[str, Any]], Value], material: Material
 ) -> Value | None:
     """Return the value in a file of its own; a file that holds something else becomes a note."""
-    content = _object(store, name, found)
+    content = _object(store, name, material)
     if not content:
         return None
     try:
         return parse(content)
     except DataError as error:
-        found.gaps[name] = f"{name} cannot be read: {_first(error)}"
+        material.gaps[name] = f"{name} cannot be read: {_first_issue(error)}"
         return None
 
 
-def _rows(store: Store, table: str, kind: type[Row], found: Material) -> list[Row]:
-    lines = _parse(_lines(store, TABLES[table], found), kind, TABLES[table], found)
-    return _sound(lines, table, found)
+def _rows(store: Store, table: str, kind: type[Row], material: Material) -> list[Row]:
+    lines = _parse(_lines(store, TABLES[table], material), kind, TABLES[table], material)
+    return _sound(lines, table, material)
 
 
-def _sound(lines: Iterable[Row | dict[str, Any]], table: str, found: Material) -> list[Row]:
+def _sound(lines: Iterable[Row | dict[str, Any]], table: str, material: Material) -> list[Row]:
     """Return the rows of a table; failed items are collected, whether rows or plain data."""
     rows = []
     for line in lines:
         if isinstance(line, Data):
             rows.append(line)
-            status, error = getattr(line, "status", "ok"), getattr(line, "error", None)
+            if getattr(line, "status", "ok") != "failed":
+                continue
+            name, error = getattr(line, "id", None), getattr(line, "error", None)
         else:
-            status, error = "failed", line.get("error")
-        if status == "failed":
-            name = getattr(line, "id", None) if isinstance(line, Data) else line.get("id")
-            label = f"round {line.round}" if isinstance(line, Round) else str(name or "?")
-            found.failures.append(FailedItem(table, label, str(error or "no reason was recorded")))
+            name, error = line.get("id"), line.get("error")
+        label = f"round {line.round}" if isinstance(line, Round) else str(name or "?")
+        material.failures.append(FailedItem(table, label, str(error or "no reason was recorded")))
     return rows
 
 
@@ -294,24 +296,26 @@ def _stored(store: Store, name: str, kind: type[Row]) -> list[Row]:
     return rows
 
 
-def _optional(store: Store, name: str, kind: type[Row], found: Material) -> list[Row]:
+def _optional(store: Store, name: str, kind: type[Row], material: Material) -> list[Row]:
     """Return the rows of a file that most studies do not have."""
     if not store.has(name):
         return []
-    lines = _parse(_lines(store, name, found), kind, name, found)
+    lines = _parse(_lines(store, name, material), kind, name, material)
     return [line for line in lines if isinstance(line, kind)]
 
 
-def _texts(store: Store, size: str, found: Material) -> list[Scenario]:
+def _texts(store: Store, size: str, material: Material) -> list[Scenario]:
     name = f"texts.diverse.{size}.jsonl"
-    return _sound(_parse(_lines(store, name, found), Scenario, name, found), "texts", found)
+    return _sound(
+        _parse(_lines(store, name, material), Scenario, name, material), "texts", material
+    )
 
 
 def _parse(
-    lines: Iterable[dict[str, Any]], kind: type[Row], name: str, found: Material
+    lines: Iterable[dict[str, Any]], kind: type[Row], name: str, material: Material
 ) -> Iterator[Row | dict[str, Any]]:
     """Yield rows; a line for a failed item stays plain data."""
-    bad: list[str] = []
+    faults: list[str] = []
     for line in lines:
         if line.get("status") == "failed" and "status" not in kind.model_fields:
             yield line
@@ -319,42 +323,43 @@ def _parse(
         try:
             yield kind.parse(line)
         except DataError as error:
-            bad.append(_first(error))
-            yield {"id": line.get("id"), "error": f"malformed line: {_first(error)}"}
-    if bad:
-        _note(found, name, f"{len(bad)} malformed line(s) in {name}, the first: {bad[0]}")
+            faults.append(_first_issue(error))
+            yield {"id": line.get("id"), "error": f"malformed line: {faults[-1]}"}
+    if faults:
+        _note(material, name, f"{len(faults)} malformed line(s) in {name}, the first: {faults[0]}")
 
 
-def _lines(store: Store, name: str, found: Material) -> Iterator[dict[str, Any]]:
+def _lines(store: Store, name: str, material: Material) -> Iterator[dict[str, Any]]:
     """Yield the objects in a file of lines; a torn last line is still being written."""
-    content = _bytes(store, name, found)
+    content = _bytes(store, name, material)
     if content is None:
         return
-    bad = 0
+    unreadable = 0
     for _, line in object_lines(content):
         if isinstance(line, ValueError):
-            bad += 1
+            unreadable += 1
         else:
             yield dict(make_printable(line))
-    if bad:
-        _note(found, name, f"{bad} line(s) of {name} are not JSON objects and were left out")
+    if unreadable:
+        note = f"{unreadable} line(s) of {name} are not JSON objects and were left out"
+        _note(material, name, note)
 
 
-def _bytes(store: Store, name: str, found: Material) -> bytes | None:
+def _bytes(store: Store, name: str, material: Material) -> bytes | None:
     try:
         return read_bytes(store.path(name))
     except FileNotFoundError:
-        found.gaps[name] = f"{name} is not there yet"
+        material.gaps[name] = f"{name} is not there yet"
     except OSError as error:
-        found.gaps[name] = f"{name} cannot be read: {error.strerror or error}"
+        material.gaps[name] = f"{name} cannot be read: {error.strerror or error}"
     return None
 
 
-def _note(found: Material, name: str, message: str) -> None:
-    found.gaps[name] = f"{found.gaps[name]}; {message}" if name in found.gaps else message
+def _note(material: Material, name: str, message: str) -> None:
+    material.gaps[name] = f"{material.gaps[name]}; {message}" if name in material.gaps else message
 
 
-def _first(error: DataError) -> str:
+def _first_issue(error: DataError) -> str:
     return str(error.issues[0]) if error.issues else str(error)
 
 

@@ -74,24 +74,24 @@ class MotionRow:
     uses: Uses
 
 
-def made_to_order(study: Study, found: Material) -> Mapping[str, Any] | None:
+def made_to_order(study: Study, material: Material) -> Mapping[str, Any] | None:
     """Return the things and movements made to order, and the details and states that scenes use."""
-    things, motions = list(_things(study, found)), list(_motions(found))
-    printed = _uses_by_row(found.scenes, _texts_of_actors)
+    things, motions = list(_things(study, material)), list(_motions(material))
+    printed = _uses_by_row(material.scenes, _texts_of_actors)
     for row in things:
         for text in row.texts:
             printed[(text, words.plain_words(row.prop.id))] = row.uses
-    unmade: list[MadeProp | MadeMotion] = [*found.assets, *found.motions]
+    unmade: list[MadeProp | MadeMotion] = [*material.assets, *material.motions]
     rows = {
         "things": things,
         "motions": motions,
         "printed": printed,
-        "details": _uses_by_row(found.scenes, _details),
-        "states": _uses_by_row(found.scenes, _map_faults),
+        "details": _uses_by_row(material.scenes, _details),
+        "states": _uses_by_row(material.scenes, _map_faults),
         "unmade": [
-            (words.plain_words(one.id), one.error or one.reason)
-            for one in unmade
-            if one.error or one.reason
+            (words.plain_words(design.id), design.error or design.reason)
+            for design in unmade
+            if design.error or design.reason
         ],
     }
     if not any(rows.values()):
@@ -99,16 +99,16 @@ def made_to_order(study: Study, found: Material) -> Mapping[str, Any] | None:
     return {**rows, "unseen": sum(row.recognised == UNSEEN for row in things)}
 
 
-def _things(study: Study, found: Material) -> Iterator[ThingRow]:
+def _things(study: Study, material: Material) -> Iterator[ThingRow]:
     """Yield what was made, then what scenes carry besides."""
-    made = {asset.prop: asset for asset in found.assets if asset.prop is not None}
-    for prop, uses in _used(made, found.scenes, lambda scene: scene.made):
+    made = {asset.prop: asset for asset in material.assets if asset.prop is not None}
+    for prop, uses in _used(made, material.scenes, lambda scene: scene.made):
         made_prop = made.get(prop)
         look = made_prop.look if made_prop else None
         walk = measured(prop.parts)
         yield ThingRow(
             prop=prop,
-            picture=_picture(study, found, prop, uses, is_made=made_prop is not None),
+            picture=_picture(study, material, prop, uses, is_made=made_prop is not None),
             facts=tuple(_facts(prop, walk)),
             texts=tuple(dict.fromkeys(text for _, text in walk.texts)),
             measures=_measures(look) if look else {},
@@ -120,23 +120,25 @@ def _things(study: Study, found: Material) -> Iterator[ThingRow]:
 
 
 def _picture(
-    study: Study, found: Material, prop: Prop, uses: Uses, *, is_made: bool
+    study: Study, material: Material, prop: Prop, uses: Uses, *, is_made: bool
 ) -> FramePicture:
     """Return the picture of a thing by itself, or of the first scene that shows it."""
-    own = picture(study.folder, picture_of(prop.id)) if is_made else FramePicture()
+    portrait = picture(study.folder, picture_of(prop.id)) if is_made else FramePicture()
+    if portrait.href:
+        return portrait
     frames = (
         episode.frames.get("last")
-        for episode in found.episodes
+        for episode in material.episodes
         if episode.scene_id in uses.scenes[:1]
     )
-    return own if own.href else picture(study.folder, next(frames, None))
+    return picture(study.folder, next(frames, None))
 
 
 def _facts(prop: Prop, walk: Measured) -> Iterator[str]:
     # The size of a thing of the catalogue is known to its simulator alone.
     if not walk.shipped:
-        own = prop.asset()
-        yield f"{own.length:g} × {own.width:g} × {own.height:g} m"
+        size = prop.asset()
+        yield f"{size.length:g} × {size.width:g} × {size.height:g} m"
     yield f"{prop.mass_kg:g} kg"
     yield prop.touch
     if prop.anchor != "road":
@@ -154,13 +156,13 @@ def _measures(look: PropLook) -> dict[str, list[str]]:
     }
 
 
-def _motions(found: Material) -> Iterator[MotionRow]:
+def _motions(material: Material) -> Iterator[MotionRow]:
     models = {
         made_motion.motion: made_motion.model
-        for made_motion in found.motions
+        for made_motion in material.motions
         if made_motion.motion is not None
     }
-    for motion, uses in _used(models, found.scenes, lambda scene: scene.motions):
+    for motion, uses in _used(models, material.scenes, lambda scene: scene.motions):
         yield MotionRow(
             motion=motion,
             body=ABILITIES[motion.body].words,
@@ -176,21 +178,22 @@ def _used(
     carried: Callable[[Scene], Iterable[Design]],
 ) -> Iterator[tuple[Design, Uses]]:
     """Yield every design that was made or that scenes carry, once, with the scenes that carry it."""
-    found = {design: Uses() for design in made}
+    uses = {design: Uses() for design in made}
     for scene in scenes:
         for design in carried(scene):
-            found.setdefault(design, Uses()).scenes.append(scene.id)
-    yield from found.items()
+            uses.setdefault(design, Uses()).scenes.append(scene.id)
+    yield from uses.items()
 
 
 def _uses_by_row(
     scenes: Iterable[Scene], rows: Callable[[Scene], Iterable[Row]]
 ) -> dict[Row, Uses]:
-    found: dict[Row, Uses] = {}
+    """Return the scenes that use each row, in the order in which the rows come first."""
+    uses: dict[Row, Uses] = {}
     for scene in scenes:
         for row in dict.fromkeys(rows(scene)):
-            found.setdefault(row, Uses()).scenes.append(scene.id)
-    return found
+            uses.setdefault(row, Uses()).scenes.append(scene.id)
+    return uses
 
 
 def _details(scene: Scene) -> Iterator[Row]:

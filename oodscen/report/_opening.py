@@ -25,20 +25,20 @@ class Opening:
         return self.has_stacks and not self.has_models
 
 
-def opening(found: Material, board: Leaderboard) -> Opening:
+def opening(material: Material, board: Leaderboard) -> Opening:
     """Return the subject of the page, and its first sentences."""
     has_models = any(row.is_judged for row in board.standings)
-    is_top_view = found.info.get("camera") == "top"
+    is_top_view = material.info.get("camera") == "top"
     if has_models:
         sentences = board.sentences()
-    elif found.drives:
-        drives = found.drive_board.sentences()
+    elif material.drives:
+        drives = material.drive_board.sentences()
         sentences = [*drives, f"Brackets hold {percent(board.level)} intervals."]
     elif is_top_view:
         sentences = [
-            f"These scenes are for driving stacks: {found.config.get('simulator')} draws views from above only, about "
+            f"These scenes are for driving stacks: {material.config.get('simulator')} draws views from above only, about "
             "which no vision-language model is asked. None has driven them yet."
         ]
     else:
         sentences = board.sentences()
-    return Opening(tuple(sentences), has_models, bool(found.drives), is_top_view)
+    return Opening(tuple(sentences), has_models, bool(material.drives), is_top_view)

@@ -1,7 +1,7 @@
 """Assembles the content of the page: plain values for the template, no markup."""
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,15 +12,15 @@ from oodscen.data._pairing import scene_of
 from oodscen.judging._leaderboard.requirements import Bar
 from oodscen.judging._questions import OPTIONS
 from oodscen.llm._accounting import Account, account, accounts
-from oodscen.report import _gallery as gallery
-from oodscen.report import _leaderboard as models
-from oodscen.report import _sections as parts
-from oodscen.report import _text_metrics as measures
-from oodscen.report._charts import rounds as charts
 from oodscen.report._charts.canvas import Canvas
 from oodscen.report._charts.outline import outline
-from oodscen.report._load import Material, dig, mapping, number
+from oodscen.report._charts.rounds import Point, growth
+from oodscen.report._gallery import choice, payload
+from oodscen.report._leaderboard import leaderboard_variables, study_board
+from oodscen.report._load import Material, number
 from oodscen.report._opening import opening
+from oodscen.report._sections import collect_parts
+from oodscen.report._text_metrics import text_metric_variables
 from oodscen.study._study import Study
 
 _SHOWN_FAILURES = 200
@@ -70,40 +70,42 @@ class Followed:
     """Number of scenes in which each way of braking is safe."""
 
 
-def context(study: Study, found: Material, bars: Sequence[Bar] = ()) -> dict[str, Any]:
+def page_variables(study: Study, material: Material, bars: Sequence[Bar] = ()) -> dict[str, Any]:
     """Return the variables of the template."""
     episodes = [
-        episode for episode in found.episodes if episode.status == "ok" and not episode.is_ordinary
+        episode
+        for episode in material.episodes
+        if episode.status == "ok" and not episode.is_ordinary
     ]
-    scenes = gallery.payload(found, study.folder)
-    board = models.board(found)
+    scenes = payload(material, study.folder)
+    board = study_board(material)
     return {
         "title": "Out-of-distribution driving scenarios",
-        "status": str(found.info.get("status") or "unknown"),
-        "stopped": str(found.info.get("stopped") or ""),
-        "found": found,
+        "status": str(material.info.get("status") or "unknown"),
+        "stopped": str(material.info.get("stopped") or ""),
+        "material": material,
         "paper": paper,
         "is_builtin": is_builtin,
-        "seconds": _seconds(found.info),
-        "gaps": found.gaps,
-        "opening": opening(found, board),
-        "counts": _counts(found, [gallery.choice(episode) for episode in episodes]),
+        "seconds": _seconds(material.info),
+        "gaps": material.gaps,
+        "opening": opening(material, board),
+        "counts": _counts(material, [choice(episode) for episode in episodes]),
         "followed": _followed(episodes),
         "action_words": {option.id: option.description for option in OPTIONS},
-        "trees": _trees(found, scenes["leaves"]),
-        "round_tally": Counter(row.decision or row.status for row in found.rounds),
-        "growth": _growth(found),
-        "parts": parts.drawn(study, found),
-        "facts": _facts(found.info),
-        "call_rows": _call_rows(found.calls),
+        "trees": _trees(material, scenes["leaves"]),
+        "round_tally": Counter(row.decision or row.status for row in material.rounds),
+        "growth": _growth(material),
+        "parts": collect_parts(study, material),
+        "facts": _facts(material.info),
+        "call_rows": _call_rows(material.calls),
         **_scenes(scenes),
-        **_failures(found, {f"scene-{row['id']}" for row in scenes["scenes"]}),
-        **measures.context(found),
-        **models.context(found, board, bars),
+        **_failures(material, {f"scene-{row['id']}" for row in scenes["scenes"]}),
+        **text_metric_variables(material),
+        **leaderboard_variables(material, board, bars),
     }
 
 
-def _trees(found: Material, leaves: Iterable[str]) -> dict[str, dict[str, Any]]:
+def _trees(material: Material, leaves: Iterable[str]) -> dict[str, dict[str, Any]]:
     """Return sizes and outlines; leaves with scenes are linked to them."""
     return {
         name: {
@@ -112,23 +114,24 @@ def _trees(found: Material, leaves: Iterable[str]) -> dict[str, dict[str, Any]]:
             "attested": sum(leaf.attested == "paper" for leaf in tree.leaves),
             "outline": outline(
                 tree,
-                found.decisions if name == "diverse" else (),
+                material.decisions if name == "diverse" else (),
                 {f"path-{leaf}" for leaf in leaves} if name == "simulatable" else (),
             ),
         }
-        for name, tree in found.trees.items()
+        for name, tree in material.trees.items()
     }
 
 
 def _scenes(scenes: Mapping[str, Any]) -> dict[str, Any]:
     """Return the variables of the list of scenes."""
     rows, leaves = scenes["scenes"], scenes["leaves"]
+    tally = Counter(row["leaf"] for row in rows)
     return {
         "payload": scenes,
         "paths": [
-            {"anchor": f"path-{leaf}", "labels": one["path"], "scenes": tally}
-            for leaf, one in leaves.items()
-            if (tally := sum(row["leaf"] == leaf for row in rows))
+            {"anchor": f"path-{leaf}", "labels": about["path"], "scenes": tally[leaf]}
+            for leaf, about in leaves.items()
+            if tally[leaf]
         ],
         "cards": len(rows),
         "twins": sum(row["twin"] is not None for row in rows),
@@ -136,14 +139,14 @@ def _scenes(scenes: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _failures(found: Material, anchors: Collection[str]) -> dict[str, Any]:
+def _failures(material: Material, anchors: Collection[str]) -> dict[str, Any]:
     """Return the variables of the list of failures, each linked to its scene."""
-    shown = found.failures[:_SHOWN_FAILURES]
-    tally = Counter(_STAGES.get(failure.stage, failure.stage) for failure in found.failures)
+    shown = material.failures[:_SHOWN_FAILURES]
+    tally = Counter(_STAGES.get(failure.stage, failure.stage) for failure in material.failures)
     return {
         "failures": shown,
-        "is_many": len(found.failures) > _OPEN_FAILURES,
-        "unshown_failures": max(len(found.failures) - _SHOWN_FAILURES, 0),
+        "is_many": len(material.failures) > _OPEN_FAILURES,
+        "unshown_failures": max(len(material.failures) - _SHOWN_FAILURES, 0),
         "failure_tally": sorted(tally.items()),
         "failure_links": {
             failure.id: anchor
@@ -157,52 +160,54 @@ def _followed(episodes: Sequence[Episode]) -> list[Followed]:
     """Return the outcomes of braking with and without an actor close behind."""
     rows = []
     for is_followed in (True, False):
-        some = [episode for episode in episodes if bool(episode.followers) is is_followed]
-        if some:
+        alike = [episode for episode in episodes if bool(episode.followers) is is_followed]
+        if alike:
             safe = {
-                action: sum(one.actions[action].safe for one in some if action in one.actions)
+                action: sum(
+                    episode.actions[action].safe for episode in alike if action in episode.actions
+                )
                 for action in ("slow_down", "stop", "emergency_brake")
             }
-            rows.append(Followed(is_followed, len(some), safe))
+            rows.append(Followed(is_followed, len(alike), safe))
     return rows
 
 
 def _filters(scenes: Mapping[str, Any]) -> dict[str, list[str]]:
-    rows, paths = scenes["scenes"], [one["path"] for one in scenes["leaves"].values()]
+    rows, paths = scenes["scenes"], [leaf["path"] for leaf in scenes["leaves"].values()]
     return {
         "class": sorted({path[0] for path in paths if path}),
         "family": sorted({path[1] for path in paths if len(path) > 2}),
         "map": sorted({row["map"] for row in rows if row["map"]}),
         "weather": sorted({word for row in rows for word in row["weather"]}),
-        "model": [one["name"] for one in scenes["models"]],
+        "model": [model["name"] for model in scenes["models"]],
     }
 
 
-def _counts(found: Material, choices: Sequence[str]) -> Counts:
+def _counts(material: Material, choices: Sequence[str]) -> Counts:
     tally = Counter(choices)
     return Counts(
-        scenes=sum(not scene.is_ordinary for scene in found.scenes),
+        scenes=sum(not scene.is_ordinary for scene in material.scenes),
         ran=len(choices),
-        failed=sum(failure.stage != "verdicts" for failure in found.failures),
-        unanswered=sum(failure.stage == "verdicts" for failure in found.failures),
+        failed=sum(failure.stage != "verdicts" for failure in material.failures),
+        unanswered=sum(failure.stage == "verdicts" for failure in material.failures),
         mixed=tally["mixed"],
         all_safe=tally["all"],
         none_safe=tally["none"],
-        sighted=sum(episode.sighting is not None for episode in found.episodes),
-        below_floor=sum(episode.is_below_floor for episode in found.episodes),
+        sighted=sum(episode.sighting is not None for episode in material.episodes),
+        below_floor=sum(episode.is_below_floor for episode in material.episodes),
     )
 
 
-def _growth(found: Material) -> Canvas | None:
+def _growth(material: Material) -> Canvas | None:
     """Draw the growth curve, if there are rounds."""
-    if not found.rounds:
+    if not material.rounds:
         return None
-    first = found.rounds[0]
-    before = found.trees.get("initial")
+    first = material.rounds[0]
+    before = material.trees.get("initial")
     start = len(before) if before else first.nodes
-    points = [charts.Point(row.round, row.nodes, row.decision or "failed") for row in found.rounds]
-    is_papers = found.config.get("nodes") == paper.NODES["initial"]
-    return charts.growth(points, start, paper.NODES["diverse"] if is_papers else None)
+    points = [Point(row.round, row.nodes, row.decision or "failed") for row in material.rounds]
+    is_papers = material.config.get("nodes") == paper.NODES["initial"]
+    return growth(points, start, paper.NODES["diverse"] if is_papers else None)
 
 
 def _call_rows(calls: Sequence[Mapping[str, Any]]) -> list[Account]:
@@ -213,30 +218,23 @@ def _call_rows(calls: Sequence[Mapping[str, Any]]) -> list[Account]:
 
 def _facts(info: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return the content of `study.json`, without the configuration, as flat pairs."""
-    rows: list[tuple[str, str]] = []
+    shown = {
+        name: value
+        for name, value in sorted(info.items())
+        if name not in ("config", "paper", "counts", "usage")
+    }
+    return list(_flat("", shown))
 
-    def add(prefix: str, value: object) -> None:
-        if isinstance(value, Mapping):
-            for key, item in value.items():
-                add(f"{prefix}.{key}" if prefix else str(key), item)
-        elif value is not None:
-            rows.append((prefix, str(value)))
 
-    add(
-        "",
-        {
-            key: value
-            for key, value in sorted(info.items())
-            if key not in ("config", "paper", "counts", "usage")
-        },
-    )
-    return rows
+def _flat(prefix: str, value: object) -> Iterator[tuple[str, str]]:
+    """Yield the values of nested mappings as text, each with the names that lead to it joined by dots."""
+    if isinstance(value, Mapping):
+        for key, item in value.items():
+            yield from _flat(f"{prefix}.{key}" if prefix else str(key), item)
+    elif value is not None:
+        yield prefix, str(value)
 
 
 def _seconds(info: Mapping[str, Any]) -> float | None:
     """Return the duration of the run, s."""
-    return (
-        number(info, "seconds")
-        if not mapping(dig(info, "seconds"))
-        else number(info, "seconds", "total")
-    )
+    return number(info, "seconds", "total")

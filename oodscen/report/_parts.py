@@ -19,18 +19,18 @@ _MOST_SCENES = 200
 Variables = Mapping[str, Any]
 
 
-def shortcuts(study: Study, found: Material) -> Variables | None:
+def shortcuts(study: Study, material: Material) -> Variables | None:
     """Return the audit of shortcuts with its picture; without an audit, nothing."""
-    if found.audit is None:
+    if material.audit is None:
         return None
     rows = [
         (row.name, value, *_bounds(row.balanced_accuracy.interval, value))
-        for row in found.audit.rows
+        for row in material.audit.rows
         if (value := row.balanced_accuracy.value) is not None and row.needs != "outcomes"
     ]
     return {
-        "audit": found.audit,
-        "is_current": found.audit.best_calls(found.episodes) is not None,
+        "audit": material.audit,
+        "is_current": material.audit.best_calls(material.episodes) is not None,
         "chart": intervals(rows),
     }
 
@@ -40,11 +40,11 @@ def _bounds(interval: Interval | None, value: float) -> tuple[float, float]:
     return (interval.low, interval.high) if interval else (value, value)
 
 
-def driving(study: Study, found: Material) -> Variables | None:
+def driving(study: Study, material: Material) -> Variables | None:
     """Return the results of `oodscen drive`, one row per driver for scenes and one for twins."""
-    if not found.drives:
+    if not material.drives:
         return None
-    board = found.drive_board
+    board = material.drive_board
     return {
         "rows": board.rows,
         "remarks": board.remarks(),
@@ -52,11 +52,11 @@ def driving(study: Study, found: Material) -> Variables | None:
     }
 
 
-def undecided(study: Study, found: Material) -> Variables | None:
+def undecided(study: Study, material: Material) -> Variables | None:
     """Return the scenes in which every action, or none, is safe, with what was tried."""
     episodes = [
         episode
-        for episode in found.episodes
+        for episode in material.episodes
         if episode.status == "ok"
         and not episode.is_ordinary
         and episode.actions
@@ -64,12 +64,12 @@ def undecided(study: Study, found: Material) -> Variables | None:
     ]
     if not episodes:
         return None
-    lines_by_id = {str(line.get("id")): line for line in found.restagings}
+    lines_by_id = {str(line.get("id")): line for line in material.restagings}
     return {
         "count": len(episodes),
         "restaged": sum(
             bool(episode.restaged) and not episode.restaged.startswith(TO_NAME)
-            for episode in found.episodes
+            for episode in material.episodes
         ),
         "rows": [
             {
@@ -85,46 +85,47 @@ def undecided(study: Study, found: Material) -> Variables | None:
 def _tried(line: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
     """Return the attempted fixes by the reason why they failed, the most frequent reason first."""
     by_why: dict[str, list[str]] = {}
-    for fix in line.get("tried") or ():
+    fixes = line.get("tried")
+    for fix in fixes if isinstance(fixes, list) else ():
         if isinstance(fix, Mapping):
             by_why.setdefault(str(fix.get("why", "")), []).append(str(fix.get("how", "")))
     return sorted(by_why.items(), key=lambda item: -len(item[1]))
 
 
-def saturated(study: Study, found: Material) -> Variables | None:
+def saturated(study: Study, material: Material) -> Variables | None:
     """Return the new kinds found by the rounds of red teaming, and an estimate of those left."""
-    estimates = saturation(found.rounds)
+    estimates = saturation(material.rounds)
     chart = saturation_chart(estimates)
     if chart is None:
         return None
     return {"chart": chart, "estimates": estimates, "is_closed": study.config.closed_loop}
 
 
-def restored(study: Study, found: Material) -> Variables | None:
+def restored(study: Study, material: Material) -> Variables | None:
     """Return the additions to the catalogue that restore pruned paths on their own, the most first."""
-    ranking = restoration(found.decisions)
+    ranking = restoration(material.decisions)
     labels = {
         decision.id: decision.path[-1] if decision.path else decision.id
-        for decision in found.decisions
+        for decision in material.decisions
     }
     rows = restoration_rows(ranking, labels, limit=_MOST_ADDITIONS)
-    dropped = {decision.id for decision in found.decisions if not decision.keep}
-    paths = found.metrics.paths if found.metrics is not None else None
+    dropped = {decision.id for decision in material.decisions if not decision.keep}
+    paths = material.metrics.paths if material.metrics is not None else None
     exposure = paths.of(dropped) if paths is not None else None
     return {"ranking": ranking, "rows": rows, "exposure": exposure} if rows else None
 
 
-def covered(study: Study, found: Material) -> Variables | None:
+def covered(study: Study, material: Material) -> Variables | None:
     """Return counts per class and family of the simulatable tree, and the holes by leaf."""
-    tree = found.trees.get("simulatable")
-    if tree is None or not found.scenarios:
+    tree = material.trees.get("simulatable")
+    if tree is None or not material.scenarios:
         return None
-    paths = found.metrics.paths if found.metrics is not None else None
+    paths = material.metrics.paths if material.metrics is not None else None
     report = coverage(
         tree,
-        texts=found.scenarios,
-        scenes=found.scenes,
-        episodes=found.episodes,
+        texts=material.scenarios,
+        scenes=material.scenes,
+        episodes=material.episodes,
         per_km=paths.per_km() if paths is not None else None,
     )
     holes = [

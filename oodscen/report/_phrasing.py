@@ -1,5 +1,6 @@
 """Scenes in plain words: weather, places, behaviours, triggers and outcomes."""
 
+from collections import Counter
 from collections.abc import Mapping
 from types import MappingProxyType
 
@@ -72,20 +73,34 @@ def weather(value: Weather) -> str:
     """Describe weather and light in one phrase."""
     parts = [_light(value.sun_elevation_deg)]
     if value.fog_visual_range_m < CLEAR_AIR_M:
-        sight = amount(value.fog_visual_range_m)
-        kind = "thick fog" if value.fog_visual_range_m < 150 else "fog"
-        kind = kind if value.fog_visual_range_m < FOG_M else "haze"
-        parts.append(f"{kind}, sight {sight} m")
+        haze = _haze(value.fog_visual_range_m)
+        parts.append(f"{haze}, sight {amount(value.fog_visual_range_m)} m")
     if value.precipitation != "none":
-        rate = value.precipitation_mm_h
-        degree = "light" if rate < 2.5 else "moderate" if rate < 10 else "heavy"
-        parts.append(f"{degree} {value.precipitation}, {amount(rate)} mm/h")
+        degree = _intensity(value.precipitation_mm_h)
+        parts.append(f"{degree} {value.precipitation}, {amount(value.precipitation_mm_h)} mm/h")
     elif value.fog_visual_range_m >= CLEAR_AIR_M and value.sun_elevation_deg > DUSK_DEG:
         parts.append("overcast" if value.cloud_cover > 0.7 else "dry")
     if value.friction < 0.95:
-        degree = "icy" if value.friction <= 0.2 else "slippery" if value.friction <= 0.5 else "wet"
-        parts.append(f"{degree} road, friction {amount(value.friction)}")
+        parts.append(f"{_surface(value.friction)} road, friction {amount(value.friction)}")
     return "; ".join(parts)
+
+
+def _haze(visual_range_m: float) -> str:
+    if visual_range_m >= FOG_M:
+        return "haze"
+    return "thick fog" if visual_range_m < 150 else "fog"
+
+
+def _intensity(rate_mm_h: float) -> str:
+    if rate_mm_h < 2.5:
+        return "light"
+    return "moderate" if rate_mm_h < 10 else "heavy"
+
+
+def _surface(friction: float) -> str:
+    if friction <= 0.2:
+        return "icy"
+    return "slippery" if friction <= 0.5 else "wet"
 
 
 def place(value: Placement) -> str:
@@ -131,16 +146,16 @@ def behaviour(value: Behaviour, motions: Mapping[str, Motion] = MappingProxyType
         value: The behaviour.
         motions: Motions made to order, by id.
     """
-    row, motion = BUILT_IN.get(value.name), motions.get(value.name)
-    text = (row.phrase if row else "") or plain_words(value.name)
+    built_in, motion = BUILT_IN.get(value.name), motions.get(value.name)
+    text = (built_in.phrase if built_in else "") or plain_words(value.name)
     if motion is not None:
         text = f"{motion.description} (made to order)"
-    given = [
+    parameters = [
         f"{plain_words(name)} {amount(number)} {_UNITS.get(name, '')}".strip()
         for name, number in sorted(value.parameters.items())
     ]
-    if given:
-        text += f" ({', '.join(given)})"
+    if parameters:
+        text += f" ({', '.join(parameters)})"
     if value.name in USUAL:
         return text
     return f"{text}, {trigger(value.trigger, 'the ego', 'it')}"
@@ -164,22 +179,26 @@ def trigger(value: Trigger, ego: str, target: str) -> str:
 
 def actor_name(actor: Actor) -> str:
     """Return an actor's name: its asset, with its state and its details if it has any."""
-    told = []
+    remarks = []
     if actor.state not in ("", "off"):
-        told.append(_STATES.get(actor.state, plain_words(actor.state)))
+        remarks.append(_STATES.get(actor.state, plain_words(actor.state)))
     if actor.details is not None:
-        told += details(actor.details)
-    return f"{plain_words(actor.asset)} ({', '.join(told)})" if told else plain_words(actor.asset)
+        remarks += details(actor.details)
+    name = plain_words(actor.asset)
+    return f"{name} ({', '.join(remarks)})" if remarks else name
 
 
 def details(value: Details) -> list[str]:
     """Return the details of an actor in words, one by one."""
-    told = [plain_words(value.pose)] if value.pose else []
-    told += [f"holding a {plain_words(value.holds)}"] if value.holds else []
-    told += [plain_words(part) for part in value.parts]
-    told += [f"painted {value.colour.replace('_', ' ')}"] if value.colour else []
-    told += [f"carrying a {plain_words(value.cargo)}"] if value.cargo else []
-    return told + ([f"“{value.text}” on its sides"] if value.text else [])
+    phrases = [
+        plain_words(value.pose) if value.pose else "",
+        f"holding a {plain_words(value.holds)}" if value.holds else "",
+        *map(plain_words, value.parts),
+        f"painted {value.colour.replace('_', ' ')}" if value.colour else "",
+        f"carrying a {plain_words(value.cargo)}" if value.cargo else "",
+        f"“{value.text}” on its sides" if value.text else "",
+    ]
+    return [phrase for phrase in phrases if phrase]
 
 
 def map_faults(value: MapState) -> list[str]:
@@ -199,12 +218,9 @@ def outcome(value: ActionOutcome, names: Mapping[str, str]) -> str:
     if value.marginal:
         return "depends on the driver"
     if value.contacts:
-        touched = [names.get(item, plain_words(item)) for item in value.contacts]
-        counted = [
-            f"{name} ×{touched.count(name)}" if touched.count(name) > 1 else name
-            for name in dict.fromkeys(touched)
-        ]
-        return f"hits {', '.join(counted)}"
+        counts = Counter(names.get(item, plain_words(item)) for item in value.contacts)
+        touched = [f"{name} ×{count}" if count > 1 else name for name, count in counts.items()]
+        return f"hits {', '.join(touched)}"
     if value.off_road:
         return "leaves the road"
     if value.ran_red:

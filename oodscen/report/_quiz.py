@@ -68,7 +68,7 @@ def write_quiz(
 
 def _payload(study: Study, scenes: int, rears: Mapping[str, str]) -> str:
     """Return the data of the page as JSON that can stand in a script element."""
-    items = [_item(study, drive, rears) for drive in drawn(study, scenes)]
+    items = [_item(study, drive, rears) for drive in draw_drives(study, scenes)]
     if not items:
         raise DataError("study", [Issue("", "no episode has frames")], source=str(study.folder))
     actions = [[option.id, option.description] for option in OPTIONS]
@@ -83,17 +83,18 @@ def _payload(study: Study, scenes: int, rears: Mapping[str, str]) -> str:
 
 def _item(study: Study, drive: AskedDrive, rears: Mapping[str, str]) -> dict[str, Any]:
     episode, shown = drive.episode, drive.shown
-    named = paragraphs(naming_prompt(shown))
-    listed = paragraphs(choosing_prompt(shown, drive.options))
-    acted = paragraphs(acting_prompt(shown))
+    naming = paragraphs(naming_prompt(shown))
+    choosing = paragraphs(choosing_prompt(shown, drive.options))
+    acting = paragraphs(acting_prompt(shown))
     item = {
         "item": token(episode),
         "frames": [
-            _data_url(study.store.inside(episode.frames[one])) for one in in_order(drive.frames)
+            _data_url(study.store.inside(episode.frames[moment]))
+            for moment in in_order(drive.frames)
         ],
         "times": [seconds(time) for time in shown.facts.times_s],
-        "facts": named[0],
-        "questions": [named[1], listed[1], acted[1]],
+        "facts": naming[0],
+        "questions": [naming[1], choosing[1], acting[1]],
         "options": [[option.id, option.label] for option in drive.options],
     }
     if episode.scene_id in rears:
@@ -107,19 +108,19 @@ def _data_url(path: Path) -> str:
     return f"data:image/{kind};base64,{base64.b64encode(data).decode()}"
 
 
-def drawn(study: Study, scenes: int) -> Sequence[AskedDrive]:
+def draw_drives(study: Study, scenes: int) -> Sequence[AskedDrive]:
     """Return the drives of a quiz of so many scenes, shuffled."""
-    shown = asked_drives(study)
-    paths: dict[str, list[str]] = {}
-    rare = {drive.episode.scene_id: drive for drive in shown if not drive.episode.is_ordinary}
+    asked = asked_drives(study)
+    rare = {drive.episode.scene_id: drive for drive in asked if not drive.episode.is_ordinary}
+    scenes_of: dict[str, list[str]] = {}
     for name in sorted(rare):
-        paths.setdefault(rare[name].truth.leaf, []).append(name)
-    draw = stream(study.config.seed, "quiz")
+        scenes_of.setdefault(rare[name].truth.leaf, []).append(name)
+    random = stream(study.config.seed, "quiz")
     ranked = [
-        (rank, float(draw.random()), paths[leaf][int(index)])
-        for leaf in sorted(paths)
-        for rank, index in enumerate(draw.permutation(len(paths[leaf])))
+        (rank, float(random.random()), scenes_of[leaf][int(index)])
+        for leaf in sorted(scenes_of)
+        for rank, index in enumerate(random.permutation(len(scenes_of[leaf])))
     ]
-    taken = {name for _, _, name in sorted(ranked)[:scenes]}
-    drives = [drive for drive in shown if scene_of(drive.episode.scene_id) in taken]
-    return [drives[int(index)] for index in draw.permutation(len(drives))]
+    chosen = {name for _, _, name in sorted(ranked)[:scenes]}
+    drives = [drive for drive in asked if scene_of(drive.episode.scene_id) in chosen]
+    return [drives[int(index)] for index in random.permutation(len(drives))]

@@ -3,13 +3,15 @@
 import itertools
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
 from oodscen.data._scenario import Scenario
 from oodscen.metrics._measurements import Measurements
-from oodscen.report._charts import sets as charts
+from oodscen.metrics._rarity.estimates import TextRarity
+from oodscen.metrics._report import MetricsReport
+from oodscen.report._charts.sets import Cloud, boxes, scatter
 
 _ENDS = 4
 _MOST = 400
@@ -47,7 +49,49 @@ class RarityFamily:
     middle: str
 
 
-def context(
+@dataclass(frozen=True)
+class _RatedSet:
+    """One set of texts, with the rarity of those whose rarity can be told."""
+
+    name: str
+    label: str
+    estimates: Sequence[TextRarity]
+    values: Mapping[int, float]
+    """The best estimate by index of the text; decimal logarithm of kilometres."""
+    oodness: Sequence[float]
+
+    @classmethod
+    def of(cls, name: str, label: str, report: MetricsReport) -> Self:
+        """Return a measured set."""
+        estimates = () if report.rarity is None else report.rarity.per_text
+        values = {
+            index: rarity.best for index, rarity in enumerate(estimates) if rarity.best is not None
+        }
+        return cls(name, label, estimates, values, report.oodness.per_text)
+
+    def row(self) -> RarityRow:
+        """Return the figures of the set."""
+        n = len(self.estimates)
+        return RarityRow(self.label, n, *_spread(self.values.values()), n - len(self.values))
+
+    def cloud(self) -> Cloud:
+        """Return rarity and OOD-ness of its texts, evenly thinned to some `_MOST`."""
+        every = max(1, len(self.values) // _MOST)
+        drawn = itertools.islice(self.values.items(), None, None, every)
+        return Cloud(self.label, [(value, self.oodness[index]) for index, value in drawn])
+
+    def ends(self, texts: Sequence[Scenario]) -> RarityEnds:
+        """Return its rarest and its commonest texts."""
+        order = sorted(self.values, key=lambda index: (-self.values[index], index))
+        shown = [(self._in_words(index), texts[index].text) for index in order]
+        return RarityEnds(self.label, tuple(shown[:_ENDS]), tuple(shown[-_ENDS:]))
+
+    def _in_words(self, index: int) -> str:
+        estimate = self.estimates[index]
+        return f"{_power(self.values[index])} ({estimate.low:.1f} to {estimate.high:.1f})"
+
+
+def rarity_variables(
     metrics: Measurements | None, labels: Mapping[str, str], texts: Mapping[str, Sequence[Scenario]]
 ) -> dict[str, Any]:
     """Return the template's variables about rarity; all empty for a study without it.
@@ -57,62 +101,35 @@ def context(
         labels: The displayed name of every set, in the order of display.
         texts: The texts of the sets.
     """
-    rows, boxes, ends, clouds = [], [], [], []
-    families: list[RarityFamily] = []
-    for name, label in labels.items():
-        if metrics is None:
-            break
-        measured = metrics.sets[name]
-        estimates = () if measured.rarity is None else measured.rarity.per_text
-        values = {
-            place: rarity.best for place, rarity in enumerate(estimates) if rarity.best is not None
-        }
-        if not values:
-            continue
-        rows.append(
-            RarityRow(
-                label, len(estimates), *_spread(values.values()), len(estimates) - len(values)
-            )
-        )
-        boxes.append((name, list(values.values())))
-        drawn = itertools.islice(values.items(), None, None, max(1, len(values) // _MOST))
-        oodness = measured.oodness.per_text
-        clouds.append(charts.Cloud(label, [(value, oodness[place]) for place, value in drawn]))
-        own = texts.get(name, ())
-        if len(own) != len(estimates):
-            continue
-        if name == "simulatable":
-            families = _families([(own[place], value) for place, value in values.items()])
-        order = sorted(values, key=lambda place: (-values[place], place))
-        shown = [
-            (
-                f"{_power(values[place])} ({estimates[place].low:.1f} to {estimates[place].high:.1f})",
-                own[place].text,
-            )
-            for place in order
-        ]
-        ends.append(RarityEnds(label, tuple(shown[:_ENDS]), tuple(shown[-_ENDS:])))
-    title, axes = (
-        "Rarity and OOD-ness of every text",
-        ("rarity, decimal logarithm of kilometres", "OOD-ness"),
-    )
+    rated: list[_RatedSet] = []
+    if metrics is not None:
+        measured = [_RatedSet.of(name, label, metrics.sets[name]) for name, label in labels.items()]
+        rated = [one for one in measured if one.values]
+    # Rarities belong to texts only as long as there are as many of both.
+    matched = [one for one in rated if len(texts.get(one.name, ())) == len(one.estimates)]
+    simulatable = next((one for one in matched if one.name == "simulatable"), None)
+    distributions = [(one.name, list(one.values.values())) for one in rated]
+    clouds = [one.cloud() for one in rated]
+    title = "Rarity and OOD-ness of every text"
+    axes = ("rarity, decimal logarithm of kilometres", "OOD-ness")
     return {
-        "rarity_rows": rows,
-        "rarity_chart": charts.boxes(boxes) if boxes else None,
-        "rarity_ends": ends,
-        "rarity_families": families,
-        "rarity_against": charts.scatter(clouds, title, axes) if clouds else None,
+        "rarity_rows": [one.row() for one in rated],
+        "rarity_chart": boxes(distributions) if rated else None,
+        "rarity_ends": [one.ends(texts[one.name]) for one in matched],
+        "rarity_families": _families(simulatable, texts) if simulatable else [],
+        "rarity_against": scatter(clouds, title, axes) if rated else None,
         "rarity_model": metrics.asked if metrics is not None else None,
     }
 
 
-def _families(texts: Sequence[tuple[Scenario, float]]) -> list[RarityFamily]:
+def _families(rated: _RatedSet, texts: Mapping[str, Sequence[Scenario]]) -> list[RarityFamily]:
     """Return one row per family, the rarest first."""
-    known: dict[str, list[float]] = {}
-    for text, value in texts:
-        if len(text.path) > 2:
-            known.setdefault(text.path[2], []).append(value)
-    ranked = sorted(known.items(), key=lambda item: -float(np.median(item[1])))
+    by_family: dict[str, list[float]] = {}
+    for index, value in rated.values.items():
+        path = texts[rated.name][index].path
+        if len(path) > 2:
+            by_family.setdefault(path[2], []).append(value)
+    ranked = sorted(by_family.items(), key=lambda item: -float(np.median(item[1])))
     return [RarityFamily(label, len(values), *_spread(values)) for label, values in ranked]
 
 

@@ -17,11 +17,11 @@ from oodscen._arguments import checked
 from oodscen.errors import FolderTaken
 from oodscen.judging._leaderboard.requirements import Bar
 from oodscen.judging._leaderboard.rows import Estimate, Rate
-from oodscen.report import _load as reading
-from oodscen.report import _page as page
-from oodscen.report import _phrasing as words
 from oodscen.report._charts import scores as charts
 from oodscen.report._charts.canvas import Canvas, signed
+from oodscen.report._load import read
+from oodscen.report._page import page_variables
+from oodscen.report._phrasing import duration, p_value
 from oodscen.report._sections import RenderedPart
 from oodscen.study._study import Study
 
@@ -40,8 +40,8 @@ def write_report(
     if FILE in study.own() and not study.store.has("study.json"):
         raise FolderTaken(str(study.folder), [FILE])
     with study.store.writing():
-        material = reading.read(study)
-        html = render(page.context(study, material, bars))
+        material = read(study)
+        html = render(page_variables(study, material, bars))
         study.store.write(FILE, html.encode("utf-8"))
     if warn is not None:
         for note in material.gaps.values():
@@ -49,20 +49,17 @@ def write_report(
     return study.folder / FILE
 
 
-def render(context: dict[str, Any]) -> str:
+def render(variables: dict[str, Any]) -> str:
     """Return the filled template; everything that is not markup made here is escaped."""
     style, script = _source("style.css"), _source("script.js")
-    return (
-        environment()
-        .get_template("page.html.j2")
-        .render(
-            **{**context, "payload": embed_json(context["payload"])},
-            style=Markup(style),
-            script=Markup(script),
-            style_hash=_hash(style),
-            script_hash=_hash(script),
-        )
-    )
+    own = {
+        "payload": embed_json(variables["payload"]),
+        "style": Markup(style),
+        "script": Markup(script),
+        "style_hash": _hash(style),
+        "script_hash": _hash(script),
+    }
+    return environment().get_template("page.html.j2").render(variables | own)
 
 
 def embed_json(value: Any) -> Markup:
@@ -87,9 +84,9 @@ def environment() -> jinja2.Environment:
     environment.filters["percent"] = lambda share: f"{100 * share:.0f} %"
     environment.filters["hundredths"] = lambda share: f"{100 * share:.0f}"
     environment.filters["signed"] = signed
-    environment.filters["p_value"] = words.p_value
+    environment.filters["p_value"] = p_value
     environment.filters["plural"] = lambda n, noun: f"{n} {noun}{'' if n == 1 else 's'}"
-    environment.filters["duration"] = words.duration
+    environment.filters["duration"] = duration
     environment.filters["thousands"] = lambda value: f"{value:,}".replace(",", "\N{THIN SPACE}")
     environment.globals["shares"] = lambda row: charts.shares(
         [(kind, getattr(row, kind)) for kind in ("safe", "marginal", "unsafe", "unavailable")]

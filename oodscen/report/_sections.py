@@ -58,12 +58,12 @@ class RenderedPart(NamedTuple):
     error: str = ""
 
 
-def drawn(study: Study, found: Material) -> dict[str, list[RenderedPart]]:
-    """Collect the data of every part by place; a broken file of the study becomes a note there."""
+def collect_parts(study: Study, material: Material) -> dict[str, list[RenderedPart]]:
+    """Return the data of every part by place; a broken file of the study becomes a note there."""
     places: dict[str, list[RenderedPart]] = {part.place: [] for part in PARTS}
     for part in PARTS:
         try:
-            data = part.data(study, found)
+            data = part.data(study, material)
         except OodscenError as error:
             places[part.place].append(RenderedPart(part.title, part.template, {}, str(error)))
             continue

@@ -23,7 +23,7 @@ _MATCH_WORDS = {"full": "yes", "substitute": "with stand-ins", "part": "in part"
 """Answers of the page to whether a path can be simulated."""
 
 
-def simulators(study: Study, found: Material) -> Mapping[str, Any] | None:
+def simulators(study: Study, material: Material) -> Mapping[str, Any] | None:
     """Return the template's variables for the comparison of simulators; `None` if the study has no pruned tree.
 
     They say which paths of the diverse tree each simulator can simulate, from `catalogues.json`.
@@ -35,12 +35,12 @@ def simulators(study: Study, found: Material) -> Mapping[str, Any] | None:
     """
     if study.store.has(CATALOGUES):
         return _compared(CatalogueComparison.load(study.folder / CATALOGUES))
-    if not {"diverse", "simulatable"} <= set(found.trees):
+    if not {"diverse", "simulatable"} <= set(material.trees):
         return None
     return {
         "compared": False,
-        "llm": found.config.get("llm") or "NAME",
-        "simulator": found.config.get("simulator") or "SIMULATOR",
+        "llm": material.config.get("llm") or "NAME",
+        "simulator": material.config.get("simulator") or "SIMULATOR",
         "file": CATALOGUES,
     }
 

@@ -6,14 +6,16 @@ from typing import Any
 
 from oodscen import _paper as paper
 from oodscen.data._scenario import Scenario
-from oodscen.metrics._diversity import Diversity
 from oodscen.metrics._measurements import Measurements
-from oodscen.report import _rarity
 from oodscen.report._charts import sets as charts
 from oodscen.report._charts.canvas import Canvas, signed
 from oodscen.report._load import Material
+from oodscen.report._rarity import rarity_variables
 from oodscen.statistics._intervals import Interval
 from oodscen.study._study import Study
+
+_ENDS = 4
+"""Texts that are shown from either end of a set."""
 
 
 @dataclass(frozen=True)
@@ -56,13 +58,13 @@ class ExtremeTexts:
     lowest: tuple[Example, ...]
 
 
-def context(found: Material) -> dict[str, Any]:
+def text_metric_variables(material: Material) -> dict[str, Any]:
     """Return the template's variables about the measures; without measurements, `measured` is `None`."""
-    measurements = found.metrics
-    texts = {**found.texts, "simulatable": found.scenarios}
+    measurements = material.metrics
+    texts = {**material.texts, "simulatable": material.scenarios}
     labels = {name: label_of(name) for name in set_names(measurements)} if measurements else {}
     return {
-        **_rarity.context(measurements, labels, texts),
+        **rarity_variables(measurements, labels, texts),
         "measured": measurements,
         "measure_rows": rows(measurements) if measurements else [],
         "margins": margins(measurements) if measurements else [],
@@ -100,7 +102,7 @@ def rows(metrics: Measurements) -> list[MeasureRow]:
 
 def _row(name: str, metrics: Measurements) -> MeasureRow:
     report = metrics.sets[name]
-    diversity: Diversity = report.diversity
+    diversity = report.diversity
     return MeasureRow(
         label=label_of(name),
         n=report.n,
@@ -114,12 +116,12 @@ def _row(name: str, metrics: Measurements) -> MeasureRow:
 
 def margins(metrics: Measurements) -> list[tuple[str, str]]:
     """Return the OOD-ness of every set relative to that of ordinary driving itself."""
-    found = []
+    margins = []
     for name in set_names(metrics):
         margin = metrics.sets[name].oodness.mean - metrics.baseline_batch.mean
         side = "above" if margin >= 0 else "below"
-        found.append((label_of(name), f"{abs(margin):.3f} {side}"))
-    return found
+        margins.append((label_of(name), f"{abs(margin):.3f} {side}"))
+    return margins
 
 
 def chart(metrics: Measurements) -> Canvas | None:
@@ -130,11 +132,9 @@ def chart(metrics: Measurements) -> Canvas | None:
     return charts.histogram(strips, metrics.baseline_batch.mean, "ordinary driving")
 
 
-def examples(
-    metrics: Measurements, sets: Mapping[str, Sequence[Scenario]], count: int = 4
-) -> list[ExtremeTexts]:
+def examples(metrics: Measurements, sets: Mapping[str, Sequence[Scenario]]) -> list[ExtremeTexts]:
     """Return the most ordinary and most unusual texts of every set whose scores match its texts."""
-    found = []
+    extremes = []
     for name in set_names(metrics):
         texts, oodness = sets.get(name, ()), metrics.sets[name].oodness
         values = oodness.per_text
@@ -145,21 +145,21 @@ def examples(
             Example(texts[index].text, signed(values[index]), oodness.nearest[index].text)
             for index in order
         ]
-        found.append(ExtremeTexts(label_of(name), tuple(shown[:count]), tuple(shown[-count:])))
-    return found
+        extremes.append(ExtremeTexts(label_of(name), tuple(shown[:_ENDS]), tuple(shown[-_ENDS:])))
+    return extremes
 
 
-def pictures(study: Study, found: Material) -> dict[str, Any] | None:
+def pictures(study: Study, material: Material) -> dict[str, Any] | None:
     """Return the pictures of the measurements, each with its caption.
 
     Args:
         study: Unused; all parts of the page share one signature.
-        found: The material read from the study.
+        material: The material read from the study.
     """
-    if found.metrics is None:
+    if material.metrics is None:
         return None
-    drawn = (_distributions, _detected, _curves, _map)
-    return {"pictures": [one(found.metrics) for one in drawn]}
+    draw = (_distributions, _detected, _curves, _map)
+    return {"pictures": [draw_picture(material.metrics) for draw_picture in draw]}
 
 
 def _distributions(metrics: Measurements) -> tuple[Canvas, str]:
@@ -191,13 +191,13 @@ def _detected(metrics: Measurements) -> tuple[Canvas, str]:
 
 
 def _curves(metrics: Measurements) -> tuple[Canvas, str]:
-    known = metrics.pictures.curves
+    measured = metrics.pictures.curves
     curves = [
         charts.DrawnSizeCurve(
-            _short(name), known[name].sizes, (known[name].nearest, known[name].pairwise)
+            _short(name), measured[name].sizes, (measured[name].nearest, measured[name].pairwise)
         )
         for name in ("baseline", *set_names(metrics))
-        if name in known
+        if name in measured
     ]
     return charts.size_curves(curves), (
         "Diversity of random subsets by their number of texts: to the nearest other text (solid) it "

@@ -16,7 +16,7 @@ from oodscen.judging._parsing import read_description
 from oodscen.judging._questions import (
     ATTEMPTS,
     AnswerReader,
-    Shown,
+    ShownDrive,
     acting_prompt,
     acting_reader,
     choosing_prompt,
@@ -52,7 +52,7 @@ def evaluate(
     protocol: Protocol = "ours",
     judge: LLM | None = None,
     chain: bool = False,
-    before: Shown | None = None,
+    before: ShownDrive | None = None,
     visible: Sequence[Visible] = (),
     rear: Image | None = None,
     withheld: bool = False,
@@ -95,11 +95,11 @@ def evaluate(
         case = Case(episode, key.path, leaf, options, episode.frames)
         return score_answers(key, answers_of_reference(vlm, case, protocol), judge)
     interview = _Interview(vlm, protocol, is_chain=is_paper or (chain and not withheld))
-    shown = Shown.of(episode, frames, is_present=not is_paper, rear=rear)
+    shown = ShownDrive.of(episode, frames, is_present=not is_paper, rear=rear)
     if withheld:
         shown = shown.without_pictures()
     if is_paper and before is None:
-        before = Shown(shown.images[:-1], DriveFacts())
+        before = ShownDrive(shown.images[:-1], DriveFacts())
     answers = GivenAnswers(
         without_pictures(vlm.name) if withheld else vlm.name,
         interview.answers(shown, before if is_paper else None, options),
@@ -152,7 +152,7 @@ class _Interview:
     versions: dict[str, str] = field(default_factory=dict)
 
     def answers(
-        self, shown: Shown, before: Shown | None, options: Sequence[AspectOption]
+        self, shown: ShownDrive, before: ShownDrive | None, options: Sequence[AspectOption]
     ) -> dict[str, Any]:
         """Ask all questions and return the verdict's fields about the answers that came.
 
@@ -175,7 +175,7 @@ class _Interview:
             self.failures.append(error)
         return fields | {"notes": tuple(self.notes), "prompts": self.versions}
 
-    def action(self, shown: Shown, descriptions: tuple[str, ...]) -> dict[str, Any]:
+    def action(self, shown: ShownDrive, descriptions: tuple[str, ...]) -> dict[str, Any]:
         """Ask the second task and return the verdict's fields about it, empty without an answer."""
         return self.put(acting_prompt(shown, descriptions, self.protocol), acting_reader())
 
@@ -195,7 +195,7 @@ class _Interview:
             self.failures.append(error)
             return {}
 
-    def described(self, shown: Shown) -> tuple[str, ...]:
+    def described(self, shown: ShownDrive) -> tuple[str, ...]:
         """Ask for a description of every frame in turn; none unless the questions follow them.
 
         A frame without a usable description gets `NO_DESCRIPTION`, so that the others keep their places.

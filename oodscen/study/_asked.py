@@ -11,7 +11,7 @@ from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.judging._kinds import Kinds
-from oodscen.judging._questions import Shown, aspect_options
+from oodscen.judging._questions import ShownDrive, aspect_options
 from oodscen.judging._references import AspectOption
 from oodscen.judging._scoring import AnswerKey, Truth
 from oodscen.judging._selection import choose_items
@@ -50,9 +50,9 @@ class AskedDrive:
         return frames_of(self.store, episode.frames, episode.file_sha256, self.camera)
 
     @property
-    def shown(self) -> Shown:
+    def shown(self) -> ShownDrive:
         """The frames in order, and the facts that go with them."""
-        return Shown.of(self.episode, self.frames)
+        return ShownDrive.of(self.episode, self.frames)
 
     @property
     def key(self) -> AnswerKey:
@@ -62,11 +62,7 @@ class AskedDrive:
     @property
     def truth(self) -> Truth:
         """The truth about the drive."""
-        return Truth(
-            self.scenario.path if self.scenario else (),
-            self.scenario.leaf if self.scenario else "",
-            self.scene.visible if self.scene else (),
-        )
+        return Truth.of(self.scenario, self.scene)
 
 
 def asked_drives(study: "Study") -> list[AskedDrive]:
@@ -79,13 +75,13 @@ def asked_drives(study: "Study") -> list[AskedDrive]:
         UsageError: If a scene or its text has changed since it was run.
     """
     config, episodes = study.config, study.episodes
-    unseen = {one.scene_id for one in episodes if one.is_below_floor}
-    scenarios = {one.id: one for one in study.scenarios}
-    scenes = {one.id: one for one in study.scenes}
+    unseen = {episode.scene_id for episode in episodes if episode.is_below_floor}
+    scenarios = {scenario.id: scenario for scenario in study.scenarios}
+    scenes = {scene.id: scene for scene in study.scenes}
     refuse_stale(study, episodes, scenes.values())
-    maps = {name: one.map for name, one in scenes.items()}
+    maps = {name: scene.map for name, scene in scenes.items()}
     kinds = Kinds.of(list(scenarios.values()), maps, seed=config.seed)
-    found = []
+    drives = []
     for episode in choose_items(episodes, count=config.ordinary, seed=config.seed):
         name = scene_of(episode.scene_id)
         if episode.status != "ok" or not episode.frames or name in unseen:
@@ -93,5 +89,5 @@ def asked_drives(study: "Study") -> list[AskedDrive]:
         scenario, scene = scenarios.get(name), scenes.get(name)
         offered = kinds.offered(scenario.leaf if scenario else "", maps.get(name, ""))
         options = aspect_options(offered, seed=config.seed, item=episode.scene_id)
-        found.append(AskedDrive(episode, scenario, scene, options, study.store, config.camera))
-    return found
+        drives.append(AskedDrive(episode, scenario, scene, options, study.store, config.camera))
+    return drives

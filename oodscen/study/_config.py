@@ -218,8 +218,10 @@ class StudyConfig(Data):
     def compared(self) -> tuple[str, ...]:
         """The catalogues to compare with the simulator's."""
         if self.catalogues is None:
-            there = set(names("catalogue"))
-            return tuple(n for n in DEFAULT_CATALOGUES if is_builtin(self.llm) and n in there)
+            if not is_builtin(self.llm):
+                return ()
+            installed = set(names("catalogue"))
+            return tuple(name for name in DEFAULT_CATALOGUES if name in installed)
         return tuple(name for name in self.catalogues if name != self.simulator)
 
     def judging_too(self, other: Self) -> Self:
@@ -234,12 +236,14 @@ class StudyConfig(Data):
         for name in vlms:
             old = other.protocols_of(name) if name in other.vlms else ()
             new = self.protocols_of(name) if name in self.vlms else ()
-            asked[name] = tuple(one for one in both if one in (*old, *new))
+            asked[name] = tuple(protocol for protocol in both if protocol in (*old, *new))
         return self.model_copy(
             update={
                 "vlms": vlms,
                 "protocols": both,
-                "asked": {name: found for name, found in asked.items() if found != both},
+                "asked": {
+                    name: protocols for name, protocols in asked.items() if protocols != both
+                },
                 "chain": self.chain or other.chain,
                 "rear_view": self.rear_view or other.rear_view,
                 "withheld": tuple(dict.fromkeys((*other.withheld, *self.withheld))),

@@ -23,17 +23,19 @@ def frames_of(
         DataError: With every frame that cannot be read, is not the recorded one, has another size than the camera's
             pictures, or cannot be shown; or if one lies outside the study.
     """
-    found, faults = dict[str, Image](), list[str]()
+    frames, faults = dict[str, Image](), list[str]()
     for moment, file in files.items():
         try:
-            found[moment] = image = Image.from_file(store.inside(file), file)
+            image = Image.from_file(store.inside(file), file)
         except OSError as error:
             faults.append(f"{file} cannot be read: {error.strerror or error}")
             continue
-        faults += filter(None, [_fault(image, recorded, camera)])
+        frames[moment] = image
+        if fault := _fault(image, recorded, camera):
+            faults.append(fault)
     if faults:
         raise DataError("frames", [Issue("", fault) for fault in faults], source=str(store.folder))
-    return found
+    return frames
 
 
 def _fault(image: Image, recorded: Mapping[str, str], camera: Camera) -> str:

@@ -67,10 +67,10 @@ def authors(config: StudyConfig) -> dict[str, str]:
 
 def versions() -> dict[str, str]:
     """Return the versions of everything that the results may depend on."""
-    found = {"oodscen": __version__, "python": platform.python_version()}
+    versions = {"oodscen": __version__, "python": platform.python_version()}
     for package in _PACKAGES:
         try:
-            found[package] = version(package)
+            versions[package] = version(package)
         except PackageNotFoundError:
-            found[package] = "not installed"
-    return found
+            versions[package] = "not installed"
+    return versions

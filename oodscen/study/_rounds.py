@@ -19,12 +19,13 @@ def rounds_on(study: "Study", initial: ScenarioTree) -> list[Round]:
         DataError: If an edit of a round does not fit the tree.
     """
     if study.store.holds("tree.diverse.json"):
-        begin = study.tree("diverse").edits[: len(initial.edits)]
-        if begin != initial.edits:
+        first_edits = study.tree("diverse").edits[: len(initial.edits)]
+        if first_edits != initial.edits:
             return []
-    rounds = [one for number, one in enumerate(study.rounds, start=1) if one.round == number]
+    numbered = enumerate(study.rounds, start=1)
+    rounds = [played for number, played in numbered if played.round == number]
     try:
-        initial.apply(*(edit for one in rounds for edit in one.edits))
+        initial.apply(*(edit for played in rounds for edit in played.edits))
     except DataError as error:
         source = str(study.store.path("redteam.jsonl"))
         raise DataError(error.noun, error.issues, source=source) from None

@@ -13,12 +13,15 @@ def text_digest(text: Scenario, claims: Sequence[Claim] | None, made: Sequence[s
     """Return the digest of what a scene is staged from.
 
     Args:
-        text: What it shows.
+        text: The text of the scene.
         claims: Those of the text, or `None` if they could not be read.
         made: Digests of the designs that were made for its path.
     """
-    said = None if claims is None else [claim.model_dump(mode="json") for claim in claims]
-    return digest([text.text, text.path, said, *([list(made)] if made else [])])
+    dumped = None if claims is None else [claim.model_dump(mode="json") for claim in claims]
+    content: list[object] = [text.text, text.path, dumped]
+    if made:
+        content.append(list(made))
+    return digest(content)
 
 
 class Staging(Data):
@@ -46,15 +49,9 @@ class Staging(Data):
         return self.run or self.scene
 
     def after(self, how: str, run: Scene | None, tried: tuple[dict[str, str], ...]) -> "Staging":
-        """Return a copy with the outcome of running the scene, by the fields of those names."""
-        return Staging(
-            id=self.id,
-            made_from=self.made_from,
-            scene=self.scene,
-            how=how,
-            run=run,
-            tried=tried,
-        )
+        """Return a copy with the outcome of running the scene, and without a demand; see the fields of these names."""
+        outcome = {"how": how, "run": run, "tried": tried, "demand": None}
+        return self.model_copy(update=outcome)
 
     def demanding(self, demand: Scene | None) -> "Staging":
         """Return a copy with the scene's ordinary demand."""

@@ -38,21 +38,27 @@ def stale_scenes(
     """
     now = {scene.id: scene.digest() for scene in scenes}
     demands = [line["demand"] for line in staged if isinstance(line.get("demand"), Mapping)]
-    ran = {demand.get("id"): digest(demand) for demand in demands}
-    found = dict[str, None]()
-    for episode in episodes:
+    run_demands = {demand.get("id"): digest(demand) for demand in demands}
+
+    def is_stale(episode: Episode) -> bool:
         name = scene_of(episode.scene_id)
-        is_own = now.get(name) == episode.made_from
-        is_own &= episode.scene_id not in ran or now.get(episode.scene_id) == ran[episode.scene_id]
-        if name in changed or (episode.made_from and not is_own):
-            found[name] = None
-    return list(found)
+        if name in changed:
+            return True
+        if not episode.made_from:
+            return False
+        demand = run_demands.get(episode.scene_id)
+        is_same_demand = demand is None or now.get(episode.scene_id) == demand
+        return now.get(name) != episode.made_from or not is_same_demand
+
+    stale = (scene_of(episode.scene_id) for episode in episodes if is_stale(episode))
+    return list(dict.fromkeys(stale))
 
 
 def changed_texts(study: "Study") -> set[str]:
     """Return the ids of the scenes whose text is gone, or is not what they were staged from.
 
-    A text is what it says, its path, its leaf, its claims and the designs made for it. What a study has no record of is taken as it is.
+    A text is its words, its path, its leaf, its claims and the designs made for it. What a study has no record of is
+    taken as it is.
 
     Raises:
         DataError: If a table or the tree is malformed.
@@ -63,31 +69,31 @@ def changed_texts(study: "Study") -> set[str]:
     has_tree = store.holds("tree.simulatable.json")
     paths = study.tree("simulatable").paths if has_tree else None
     made = made_for(study) if has_tree else {}
-    found = set[str]()
+    changed = set[str]()
     staged = {str(line.get("id")): line for line in store.lines("staged.jsonl")}
     for name, line in staged.items():
-        text, said = texts.get(name), claims.get(name)
+        text, claims_line = texts.get(name), claims.get(name)
         if text is None or (paths is not None and paths.get(text.leaf) != text.path):
-            found.add(name)
-        elif said is not None and line.get("made_from"):
-            is_read = said.get("status") != "failed"
-            source = f"{store.path('claims.jsonl')}, {name}"
-            read = ClaimsLine.parse(said, source=source).claims if is_read else None
+            changed.add(name)
+        elif claims_line is not None and line.get("made_from"):
+            text_claims = None
+            if claims_line.get("status") != "failed":
+                source = f"{store.path('claims.jsonl')}, {name}"
+                text_claims = ClaimsLine.parse(claims_line, source=source).claims
             designs = made.get(text.path, NOTHING).digests()
-            if text_digest(text, read, designs) != line["made_from"]:
-                found.add(name)
-    return found
+            if text_digest(text, text_claims, designs) != line["made_from"]:
+                changed.add(name)
+    return changed
 
 
 def in_words(stale: list[str]) -> str:
     """Return the sentence about scenes that have changed, themselves or their texts."""
-    more = ", ..." if len(stale) > _SHOWN else ""
-    told = "1 scene, or its text, has"
+    subject, pronoun = "1 scene, or its text, has", "it was"
     if len(stale) > 1:
-        told = f"{len(stale)} scenes, or their texts, have"
-    they = "they were" if len(stale) > 1 else "it was"
+        subject, pronoun = f"{len(stale)} scenes, or their texts, have", "they were"
+    more = ", ..." if len(stale) > _SHOWN else ""
     return (
-        f"{told} changed since {they} run: {', '.join(stale[:_SHOWN])}{more}; the same `oodscen run OUT` makes "
+        f"{subject} changed since {pronoun} run: {', '.join(stale[:_SHOWN])}{more}; the same `oodscen run OUT` makes "
         "their episodes again"
     )
 

@@ -1,6 +1,5 @@
 """Verdicts that do not belong to the drives of a study as they are now: the one rule for everything that reads them."""
 
-from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
@@ -56,20 +55,20 @@ class AnswerKeys:
 
     def of(self, episode: Episode, protocol: Protocol) -> AnswerKey:
         """Return the key to the answers about an episode, with the options of the closed question."""
-        answer_key = self._keys.get((episode.scene_id, protocol))
-        if answer_key is not None:
-            return answer_key
-        name = scene_of(episode.scene_id)
-        scenario, scene = self._scenarios.get(name), self._scenes.get(name)
-        leaf = scenario.leaf if scenario else ""
-        truth = Truth(scenario.path if scenario else (), leaf, scene.visible if scene else ())
+        name = episode.scene_id, protocol
+        if name not in self._keys:
+            self._keys[name] = self._key(episode, protocol)
+        return self._keys[name]
+
+    def _key(self, episode: Episode, protocol: Protocol) -> AnswerKey:
+        scene_id = scene_of(episode.scene_id)
+        scene = self._scenes.get(scene_id)
+        truth = Truth.of(self._scenarios.get(scene_id), scene)
         options: tuple[AspectOption, ...] = ()
         if protocol == "ours":
-            kinds = self._kinds.offered(leaf, scene.map if scene else "")
+            kinds = self._kinds.offered(truth.leaf, scene.map if scene else "")
             options = aspect_options(kinds, seed=self._seed, item=episode.scene_id)
-        key = AnswerKey.of(episode, truth, options)
-        self._keys[episode.scene_id, protocol] = key
-        return key
+        return AnswerKey.of(episode, truth, options)
 
 
 class VerdictRule:
@@ -100,7 +99,7 @@ class VerdictRule:
             for name, episodes in shown.items()
             for episode in episodes
         }
-        self._truths = _truths(shown, scenarios, scenes, config)
+        self._truths = _truth_digests(shown, scenarios, scenes, config)
         self._people = {answers.name: answers.sha256 for answers in people}
         self._sources = scenarios, scenes, config.seed
 
@@ -156,7 +155,7 @@ def _is_shown(episode: Episode) -> bool:
     return episode.status == "ok" and bool(episode.frames)
 
 
-def _truths(
+def _truth_digests(
     shown: Mapping[Protocol, Sequence[Episode]],
     scenarios: Sequence[Scenario],
     scenes: Sequence[Scene],
@@ -169,26 +168,27 @@ def _truths(
     """
     texts = {scenario.id: [scenario.leaf, scenario.path] for scenario in scenarios}
     leaves = sorted({(scenario.leaf, *scenario.path[-1:]) for scenario in scenarios})
-    maps = sorted((one.id, one.map) for one in scenes)
-    visible = {one.id: [seen.model_dump() for seen in one.visible] for one in scenes}
-    found: dict[tuple[Protocol, str], str] = {}
+    maps = sorted((scene.id, scene.map) for scene in scenes)
+    visible = {scene.id: [thing.model_dump() for thing in scene.visible] for scene in scenes}
+    digests: dict[tuple[Protocol, str], str] = {}
     for protocol, episodes in shown.items():
         for episode in episodes:
             # The pixels count, not the bytes that hold them.
             content = episode.model_dump(mode="json", exclude={"file_sha256"})
-            scene = scene_of(episode.scene_id)
+            scene_id = scene_of(episode.scene_id)
             truth = [
                 digest(content),
-                texts.get(scene),
+                texts.get(scene_id),
                 leaves,
                 maps,
-                visible.get(scene),
+                visible.get(scene_id),
                 config.chain,
             ]
-            truth += ["rear view"] if config.rear_view and protocol == "ours" else []
-            found[protocol, episode.scene_id] = digest(truth)
-        found[protocol, ""] = digest(list(found.values()))
-    return found
+            if config.rear_view and protocol == "ours":
+                truth.append("rear view")
+            digests[protocol, episode.scene_id] = digest(truth)
+        digests[protocol, ""] = digest(list(digests.values()))
+    return digests
 
 
 class Judged(NamedTuple):
@@ -238,7 +238,7 @@ class Tables(NamedTuple):
         )
 
     def rule(self, people: Collection[str]) -> VerdictRule:
-        """Return the rule by which verdicts belong to these tables, also those of people by these names."""
+        """Return the rule by which verdicts belong to these tables; `people` are those whose answers count."""
         judged = Judged.of(self.episodes, self.scenes, self.config)
         shown: dict[Protocol, Sequence[Episode]] = {"ours": judged.asked}
         if "paper" in self.config.protocols:
@@ -266,13 +266,17 @@ class Tables(NamedTuple):
 
 def stale_in_words(stale: Sequence[Verdict]) -> str:
     """Return the sentence about verdicts that do not belong to the drives of a study."""
-    names = list(Counter(verdict.model for verdict in stale if verdict.kind == "model"))
-    names += [one for one in Counter(verdict.model for verdict in stale) if one not in names]
-    told = ", ".join(one_line(name) for name in names[:_SHOWN]) + ", ..." * (len(names) > _SHOWN)
-    do, it = ("do", "they were") if len(stale) > 1 else ("does", "it was")
+    models_first = sorted(stale, key=lambda verdict: verdict.kind != "model")
+    names = list(dict.fromkeys(verdict.model for verdict in models_first))
+    listed = ", ".join(map(one_line, names[:_SHOWN]))
+    if len(names) > _SHOWN:
+        listed += ", ..."
+    subject, pronoun = f"1 verdict ({listed}) does", "it was"
+    if len(stale) > 1:
+        subject, pronoun = f"{len(stale)} verdicts ({listed}) do", "they were"
     return (
-        f"{len(stale)} verdict{'s' * (len(stale) > 1)} ({told}) {do} not belong to the drives of this "
-        f"study: {it} made from others, or edited; the same `oodscen run OUT` makes them again"
+        f"{subject} not belong to the drives of this study: {pronoun} made from others, or edited; the same "
+        "`oodscen run OUT` makes them again"
     )
 
 

@@ -102,15 +102,10 @@ class Study(Brief, StudyUses):
         if not info:
             return f"<p>{escaped(self.folder)}: no study yet</p>"
         counts = {"status": info.get("status", ""), **info.get("counts", {})}
-        counted = ((name, value) for name, value in counts.items() if value not in ({}, None))
         rows = [
-            (
-                name.replace("_", " "),
-                ", ".join(f"{key}: {one}" for key, one in value.items())
-                if isinstance(value, Mapping)
-                else value,
-            )
-            for name, value in counted
+            (name.replace("_", " "), _in_words(value))
+            for name, value in counts.items()
+            if value not in ({}, None)
         ]
         link = f'<p><a href="{escaped(self._link())}">report</a></p>' if has_report else ""
         return f"<div>{html_table(rows, caption=str(self.folder))}{link}</div>"
@@ -159,21 +154,21 @@ class Study(Brief, StudyUses):
 
     def _check_unique_scenes(self) -> None:
         """Check that no two rare scenes of `scenes.jsonl`, which may be edited by hand, share an id."""
-        found: set[str] = set()
+        names: set[str] = set()
         for number, line in self.store.numbered("scenes.jsonl"):
             if line.get("status") == "failed" or is_ordinary(line["id"]):
                 continue
-            if line["id"] in found:
+            if line["id"] in names:
                 issue = Issue("", f"there are two scenes {line['id']!r}; remove one")
                 source = f"{self.store.path('scenes.jsonl')}, line {number}"
                 raise DataError(Scene.noun, [issue], source=source)
-            found.add(line["id"])
+            names.add(line["id"])
 
     def _check_links(self, names: Iterable[str]) -> None:
         """Check that no folder, nor what lies directly in it, is a link that leads outside the study."""
         for name in sorted({*FOLDERS} & {*names}):
-            with os.scandir(self.store.inside(name)) as within:
-                links = sorted(one.name for one in within if one.is_symlink())
+            with os.scandir(self.store.inside(name)) as entries:
+                links = sorted(entry.name for entry in entries if entry.is_symlink())
             for link in links:
                 self.store.inside(f"{name}/{link}")
 
@@ -181,9 +176,11 @@ class Study(Brief, StudyUses):
         """Check that files are regular files, and folders are folders."""
         for name in names:
             path = self.folder / name
-            if not (path.is_dir() if name in FOLDERS else path.is_file()):
-                issue = Issue("", f"is not a {'folder' if name in FOLDERS else 'regular file'}")
-                raise DataError(Info.noun, [issue], source=str(path))
+            kind, is_of_kind = "regular file", path.is_file()
+            if name in FOLDERS:
+                kind, is_of_kind = "folder", path.is_dir()
+            if not is_of_kind:
+                raise DataError(Info.noun, [Issue("", f"is not a {kind}")], source=str(path))
 
     @property
     def info(self) -> dict[str, Any]:
@@ -205,8 +202,8 @@ class Study(Brief, StudyUses):
     @property
     def exposure(self) -> dict[str, float]:
         """Estimated meetings per kilometre by leaf of the diverse tree; empty before the texts are measured."""
-        found = self.metrics.get("paths")
-        return TreeRarity.parse(found, source="metrics.json").per_km() if found else {}
+        paths = self.metrics.get("paths")
+        return TreeRarity.parse(paths, source="metrics.json").per_km() if paths else {}
 
     @checked
     def tree(self, name: str) -> ScenarioTree:
@@ -272,9 +269,9 @@ class Study(Brief, StudyUses):
             UsageError: If one does not belong to its drive as it is now, or was edited. The same run makes it again;
                 `stored_verdicts` has it as it is.
         """
-        found = self.stored_verdicts
-        refuse_stale_verdicts(self, found)
-        return found
+        verdicts = self.stored_verdicts
+        refuse_stale_verdicts(self, verdicts)
+        return verdicts
 
     @property
     def stored_verdicts(self) -> list[Verdict]:
@@ -411,7 +408,7 @@ class Study(Brief, StudyUses):
         rows = self.table(name)
         hashes = [row.pop(_HASHES, None) for row in rows]
         frame = pd.json_normalize(rows, max_level=1)
-        return frame if not any(hashes) else frame.assign(**{_HASHES: hashes})
+        return frame.assign(**{_HASHES: hashes}) if any(hashes) else frame
 
     def _rows(self, kind: type[Row], name: str) -> list[Row]:
         rows = []
@@ -425,3 +422,10 @@ class Study(Brief, StudyUses):
                 source = f"{self.folder / name}, line {number}"
                 raise DataError(error.noun, error.issues, source=source) from None
         return rows
+
+
+def _in_words(count: object) -> object:
+    """Return a count of `study.json` for a table: several counts in one line, anything else as it is."""
+    if isinstance(count, Mapping):
+        return ", ".join(f"{name}: {number}" for name, number in count.items())
+    return count

@@ -81,6 +81,6 @@ class StudyUses:
         return publish(_study(self), out, forms=chosen, validation=validation, licence=licence)
 
 
-def _study(one: StudyUses) -> "Study":
+def _study(uses: StudyUses) -> "Study":
     """Return the study, which alone has these methods."""
-    return cast("Study", one)
+    return cast("Study", uses)

@@ -95,7 +95,9 @@ def notebook_html(tree: "ScenarioTree", max_nodes: int = MAX_SHOWN) -> str:
         max_depth += 1
         shown += level_sizes[max_depth]
     hidden = len(tree) - shown
-    head = f"{_counted(len(tree), 'node')}, {_counted(len(tree.leaves), 'path')}, depth {tree.depth:,}"
+    head = (
+        f"{_counted(len(tree), 'node')}, {_counted(len(tree.leaves), 'path')}, depth {tree.depth:,}"
+    )
     if hidden:
         are = "is" if hidden == 1 else "are"
         head += f"; {_counted(hidden, 'node')} below depth {max_depth} {are} not shown"

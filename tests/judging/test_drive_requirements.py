@@ -66,6 +66,11 @@ def test_a_drive_that_failed_counts_against_either_word(outcomes) -> None:
     assert found.p_fails == best.p_fails
 
 
+def test_only_the_last_of_repeated_drives_counts() -> None:
+    rows = drives([True] * 15 + [False] * 5)
+    assert grade([*drives([False] * 20), *rows], "safe>=0.9") == grade(rows, "safe>=0.9")
+
+
 def test_models_and_stacks_have_their_own_figures() -> None:
     with pytest.raises(UsageError, match="notice"):
         parse_requirement("notice>=0.5", DRIVE_FIGURES)

@@ -218,7 +218,7 @@ def test_a_scene_that_tells_actions_apart_is_left_and_variants_differ(simulator)
     run = simulate(scene, simulator, render=False)
     assert run.episode.is_decidable
     for easy in (True, False):
-        changed = list(variants(scene, simulator.catalogue(), easy))
+        changed = list(variants(scene, simulator.catalogue(), is_too_easy=easy))
         assert len({how for _, how in changed}) == len(changed) >= 6
         assert all(one != scene and one.id == scene.id for one, _ in changed)
 
@@ -233,7 +233,9 @@ def test_a_scene_without_danger_is_restaged_or_left_as_it_was(simulator):
     changed, again, tried = restage(easy, run, Rerunner(simulator))
     assert again.episode.is_decidable is bool(again.episode.restaged)
     assert (changed is easy) is (not again.episode.restaged)
-    all_variants = list(variants(easy, simulator.catalogue(), bool(run.episode.safe_set)))
+    all_variants = list(
+        variants(easy, simulator.catalogue(), is_too_easy=bool(run.episode.safe_set))
+    )
     assert [one.how for one in tried] == [how for _, how in all_variants][: len(tried)]
     assert all(one.why for one in tried)
     if changed is easy:

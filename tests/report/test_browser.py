@@ -50,7 +50,7 @@ def judged(tmp_path_factory: pytest.TempPathFactory) -> Study:
 @pytest.fixture(scope="module")
 def crowded(tmp_path_factory: pytest.TempPathFactory, judged: Study) -> Path:
     """Write the page of a thousand scenes with twins, all made of a few."""
-    context = pages.context(judged, read(judged))
+    context = pages.page_variables(judged, read(judged))
     few = context["payload"]["scenes"]
     rows = [copy.deepcopy(few[index % len(few)]) for index in range(MANY)]
     for index, row in enumerate(rows):

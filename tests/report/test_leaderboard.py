@@ -38,9 +38,9 @@ ALWAYS_FIRST = [("leaf-0", leaf == "leaf-0") for leaf in LEAVES]
 
 def shown(given: list[Verdict]) -> tuple[dict, list, Leaderboard]:
     """Return the counts in the picture by truth and choice, those in the table, and the board."""
-    found = Material(verdicts=given, episodes=CASE.episodes, scenarios=CASE.scenarios)
-    board = page.board(found)
-    (confused,) = page.context(found, board)["confused"]
+    material = Material(verdicts=given, episodes=CASE.episodes, scenarios=CASE.scenarios)
+    board = page.study_board(material)
+    (confused,) = page.leaderboard_variables(material, board, ())["confused"]
     squares = {}
     for square in html.fromstring(confused.chart.__html__()).iter("rect"):
         if square.get("class") in ("hit", "miss"):
@@ -87,8 +87,8 @@ def test_a_wrong_answer_without_a_choice_is_nothing_unusual():
 @pytest.mark.parametrize("length", [0, 1, 2, 3, 4])
 def test_right_answers_count_whatever_the_length_of_the_paths(length):
     short = [one.model_copy(update={"path": one.path[4 - length :]}) for one in CASE.scenarios]
-    found = Material(verdicts=verdicts(RIGHT), episodes=CASE.episodes, scenarios=short)
-    (confused,) = page.context(found, page.board(found))["confused"]
+    material = Material(verdicts=verdicts(RIGHT), episodes=CASE.episodes, scenarios=short)
+    (confused,) = page.leaderboard_variables(material, page.study_board(material), ())["confused"]
     hits = [
         int(square.find("title").text.split(": ")[1].split()[0])
         for square in html.fromstring(confused.chart.__html__()).iter("rect")
@@ -156,6 +156,9 @@ def test_charts_group_by_family_when_there_are_many_paths(paths, level):
     many = Case(paths=paths, per_path=1)
     assert page._level(Leaderboard()) == "path"
     given = many.verdicts("m", lambda *_: {"is_ood": True})
-    found = Material(verdicts=given, episodes=many.episodes, scenarios=many.scenarios)
-    assert page._level(page.board(found)) == level
-    assert Counter(group.level for group in page.board(found).standings[0].groups)["path"] == paths
+    material = Material(verdicts=given, episodes=many.episodes, scenarios=many.scenarios)
+    assert page._level(page.study_board(material)) == level
+    assert (
+        Counter(group.level for group in page.study_board(material).standings[0].groups)["path"]
+        == paths
+    )

@@ -2,12 +2,12 @@ from lxml import html
 
 from oodscen import Study
 from oodscen.report._load import Material, read
-from oodscen.report._page import context
+from oodscen.report._page import page_variables
 from oodscen.report._render import render
 
 
 def test_calls_are_summed_by_purpose(study: Study) -> None:
-    rows = context(study, read(study))["call_rows"]
+    rows = page_variables(study, read(study))["call_rows"]
     assert [(row.group[1] or row.group[0], row.calls, row.input_tokens) for row in rows] == [
         ("propose-tree", 1, 900),
         ("stage-scene", 2, 1803),
@@ -20,12 +20,12 @@ def test_an_unknown_price_of_an_answer_makes_the_sum_unknown(study: Study) -> No
     study.store.append(
         "calls.jsonl", {"purpose": "x", "model": "m", "status": "failed", "cost_usd": None}
     )
-    last = context(study, read(study))["call_rows"][-1]
+    last = page_variables(study, read(study))["call_rows"][-1]
     assert (last.cost_usd, last.failed) == (0, 1)
     study.store.append(
         "calls.jsonl", {"purpose": "x", "model": "m", "status": "ok", "cost_usd": None}
     )
-    assert context(study, read(study))["call_rows"][-1].cost_usd is None
+    assert page_variables(study, read(study))["call_rows"][-1].cost_usd is None
 
 
 def test_nothing_at_all_still_makes_a_page(study: Study) -> None:
@@ -43,5 +43,5 @@ def test_counts_beside_the_papers(study: Study) -> None:
 
 
 def text_of(study: Study, found: Material) -> str:
-    page = html.document_fromstring(render(context(study, found)))
+    page = html.document_fromstring(render(page_variables(study, found)))
     return " ".join(" ".join(page.itertext()).split())

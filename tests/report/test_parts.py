@@ -8,7 +8,7 @@ from oodscen.data._additions import Addition
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._scenario import Scenario
-from oodscen.report._leaderboard import board
+from oodscen.report._leaderboard import study_board
 from oodscen.report._load import Material
 from oodscen.report._opening import opening
 from oodscen.report._parts import covered, driving, restored, undecided
@@ -53,6 +53,13 @@ def test_what_was_tried_is_said_for_every_undecided_scene(tmp_path):
     assert "no action is safe" in rows[1]
     assert "not on record" in rows[1]
     assert not page.xpath(".//script")
+
+
+@pytest.mark.parametrize("tried", [5, "abc", {}, [1], None])
+def test_attempts_of_another_form_are_none(tmp_path, tried):
+    scene = episode("a-001", "stop", "keep_speed")
+    page = drawn(tmp_path, scene, lines=[{"id": "a-001", "tried": tried}])
+    assert "not on record" in page.xpath("string(.//tbody)")
 
 
 @pytest.mark.parametrize(("count", "said"), [(1, "In 1 scene every"), (2, "In 2 scenes every")])
@@ -128,7 +135,7 @@ def test_a_mean_over_some_of_the_drives_says_over_how_many(tmp_path):
 
 def test_the_opening_and_the_part_share_one_board(tmp_path):
     found = Material(drives=[result("mine", "leaf-1", passed=True, progress=0.9)])
-    opened = opening(found, board(found))
+    opened = opening(found, study_board(found))
     rows = driving(Study(tmp_path), found)["rows"]
     assert rows is found.drive_board.rows
     assert opened.sentences[:-1] == tuple(found.drive_board.sentences())

@@ -296,6 +296,9 @@ def test_no_broken_file_stops_the_page(study: Study, name: str) -> None:
 
 def test_what_models_wrote_is_escaped(study: Study) -> None:
     quoted = json.dumps(HOSTILE)[1:-1]
+    written = dict.fromkeys(TABLES.values(), quoted + NUL)
+    # A scenario's text holds no NUL character.
+    written["scenarios.jsonl"] = quoted.replace("\\u0000", "")
     for name in (
         "scenarios.jsonl",
         "redteam.jsonl",
@@ -310,7 +313,7 @@ def test_what_models_wrote_is_escaped(study: Study) -> None:
             name,
             lambda text: re.sub(
                 r'("(?:text|reason|error|model|aspect|action|purpose|source|reasoning|contradiction|choice)":)"[^"]+"',
-                lambda found: f'{found[1]}"{quoted}{NUL}"',
+                lambda found, name=name: f'{found[1]}"{written[name]}"',
                 text,
             ),
         )
@@ -413,3 +416,39 @@ def test_a_study_that_cannot_be_written_is_an_error(study: Study, tmp_path: Path
     (study.folder / "report.html").mkdir()
     with pytest.raises(StudyError):
         study.write_report()
+
+
+def change_lines(name: str, **fields: Any) -> Callable[[Study], None]:
+    def change(study: Study) -> None:
+        file = study.folder / name
+        lines = [json.loads(line) | fields for line in file.read_text().splitlines()]
+        file.write_text("".join(f"{json.dumps(line)}\n" for line in lines))
+
+    return change
+
+
+def change_info(config: dict[str, Any], **fields: Any) -> Callable[[Study], None]:
+    def change(study: Study) -> None:
+        content = json.loads((study.folder / "study.json").read_text())
+        content["config"] |= config
+        (study.folder / "study.json").write_text(json.dumps(content | fields))
+
+    return change
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        change_lines("redteam.jsonl", nodes=10**40),
+        change_lines("episodes.jsonl", decision_s=-5.0),
+        change_lines("episodes.jsonl", decision_s=1e300),
+        change_lines("episodes.jsonl", frames={"noon": "noon.jpg"}),
+        change_info({"sets": [True]}, failures={"ordinary": 1}),
+    ],
+)
+def test_values_that_no_run_writes_do_not_stop_the_page(
+    make_study: Callable[..., Study], change: Callable[[Study], None]
+) -> None:
+    study = make_study(with_twins=True)
+    change(study)
+    page(study)

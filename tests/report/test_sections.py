@@ -11,7 +11,7 @@ from oodscen.errors import DataError, Issue
 from oodscen.report import _sections as sections
 from oodscen.report._load import Material, read
 from oodscen.report._render import render_part
-from oodscen.report._sections import PARTS, PagePart, Place, RenderedPart, drawn
+from oodscen.report._sections import PARTS, PagePart, Place, RenderedPart, collect_parts
 
 
 def hello(study: Study, found: Material) -> Mapping[str, Any]:
@@ -34,7 +34,7 @@ def test_a_broken_file_is_a_note_in_its_place(
         PagePart("metrics", "Bad", "pictures", unreadable),
     )
     monkeypatch.setattr(sections, "PARTS", here)
-    good, bad = drawn(study, read(study))["metrics"]
+    good, bad = collect_parts(study, read(study))["metrics"]
     assert "6<figcaption>texts" in render_part(good)
     assert (bad.title, bad.data) == ("Bad", {})
     assert "rows[3]: nothing fits" in bad.error
@@ -45,7 +45,7 @@ def test_a_misspelt_attribute_ends_the_report(
 ) -> None:
     monkeypatch.setattr(sections, "PARTS", (PagePart("metrics", "Bad", "pictures", mistaken),))
     with pytest.raises(AttributeError):
-        drawn(study, read(study))
+        collect_parts(study, read(study))
 
 
 @pytest.mark.parametrize("part", PARTS, ids=lambda part: part.template)
@@ -60,8 +60,8 @@ def test_every_place_has_a_part() -> None:
 
 def test_shipped_parts_draw_what_a_study_holds(make_study: Callable[..., Study]) -> None:
     study = make_study(with_twins=True)
-    places = drawn(study, read(study))
+    places = collect_parts(study, read(study))
     assert not [one.error for row in places.values() for one in row if one.error]
     (chart,) = places["growth"]
     assert "<svg" in render_part(chart)
-    assert not [one for row in drawn(study, Material()).values() for one in row]
+    assert not [one for row in collect_parts(study, Material()).values() for one in row]

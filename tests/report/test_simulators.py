@@ -6,7 +6,7 @@ from oodscen._study_files import CATALOGUES
 from oodscen.data._additions import Addition
 from oodscen.report._load import Material, read
 from oodscen.report._render import render_part
-from oodscen.report._sections import RenderedPart, drawn
+from oodscen.report._sections import RenderedPart, collect_parts
 from oodscen.report._simulators import simulators
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.side_by_side import compare
@@ -61,7 +61,7 @@ def test_figures_absent_kinds_and_reasons_are_shown(study: Study) -> None:
 
 def test_a_broken_comparison_says_so(study: Study) -> None:
     study.store.write(CATALOGUES, "[]")
-    assert any(one.error for one in drawn(study, read(study))["pruning"])
+    assert any(one.error for one in collect_parts(study, read(study))["pruning"])
 
 
 def test_where_nobody_asked_it_is_said_how_to(study: Study) -> None:

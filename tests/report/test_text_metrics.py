@@ -77,7 +77,7 @@ def test_scores_that_do_not_fit_the_texts_are_not_shown(study: Study) -> None:
 
 
 def test_nothing_measured_is_nothing_shown(study: Study) -> None:
-    shown = measures.context(Material())
+    shown = measures.text_metric_variables(Material())
     assert not any(shown.values())
     assert measures.pictures(study, Material()) is None
 

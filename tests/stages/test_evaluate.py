@@ -13,7 +13,7 @@ from oodscen.data._verdict import Verdict
 from oodscen.errors import ContentFiltered, LLMError, LLMTimeout, ModelSkipped
 from oodscen.judging._aspects.matching import names_aspect
 from oodscen.judging._constant_answerers import ConstantAnswerer, RandomAnswerer
-from oodscen.judging._questions import Shown, aspect_options
+from oodscen.judging._questions import ShownDrive, aspect_options
 from oodscen.judging._references import AspectOption
 from oodscen.testing import ScriptedLLM
 
@@ -141,7 +141,7 @@ def test_in_the_paper_s_protocol_the_action_is_asked_before_the_outcome_is_shown
     seen = {image.name for one in before for message in one.messages for image in message.images}
     assert not any("last" in name for name in seen)
     llm = ScriptedLLM(said)
-    decided = Shown(tuple(frames.values()))
+    decided = ShownDrive(tuple(frames.values()))
     evaluate(EPISODE, frames, llm, path=PATH, protocol="paper", before=decided)
     action = next(one for one in llm.requests if one.prompt.purpose == "choose-action")
     assert action.prompt.frames == decided.images

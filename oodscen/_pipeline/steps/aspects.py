@@ -12,9 +12,9 @@ from oodscen.data._verdict import Verdict
 from oodscen.judging._aspects.labelled import agreement, labelled_answers
 from oodscen.judging._aspects.opinions import (
     Opinion,
+    ask_opinion,
     is_open,
     judge_label,
-    opinion,
     opinion_id,
     rescore_verdict,
 )
@@ -52,7 +52,7 @@ def judge_aspects(
             limits = run.models.limits
             with limits.lenient(JUDGING):
                 for _, found in as_finished(
-                    lambda item: opinion(judge, *item),
+                    lambda item: ask_opinion(judge, *item),
                     todo.values(),
                     threads=threads,
                     cancel=run.cancel,

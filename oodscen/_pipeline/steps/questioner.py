@@ -8,7 +8,7 @@ from oodscen.data._episode import MOMENTS, Episode, moments
 from oodscen.data._messages import Image
 from oodscen.data._verdict import Protocol, Verdict, without_pictures
 from oodscen.errors import DataError, Issue
-from oodscen.judging._questions import Shown
+from oodscen.judging._questions import ShownDrive
 from oodscen.judging._references import Case, takes_cases
 from oodscen.judging._scoring import GivenAnswers, kind_of_answerer, rescored
 from oodscen.protocols import LLM
@@ -67,7 +67,7 @@ class Questioner:
                     rear = self._rear_view(episode)
                 earlier = self._up_to_decision.get(episode.scene_id)
                 if protocol == "paper" and earlier is not None:
-                    before = Shown.of(earlier, self._images(earlier))
+                    before = ShownDrive.of(earlier, self._images(earlier))
             except (OSError, DataError) as error:
                 why, kind = str(error), type(error).__name__
                 return unjudged_verdict(

@@ -35,19 +35,19 @@ def agreement(opinions: Iterable[Opinion], judge: str) -> tuple[int, int]:
     judgements = {
         opinion.id: opinion.is_same for opinion in opinions if opinion.is_same is not None
     }
-    pairs = [
+    agrees = [
         judgements[name] == example.is_right
         for example in labelled_answers()
         if (name := opinion_id(judge, example.answer, example.path)) in judgements
     ]
-    return sum(pairs), len(pairs)
+    return sum(agrees), len(agrees)
 
 
 def agreement_in_words(info: Mapping[str, Any]) -> str:
     """Return the agreement of a study's judge as a sentence; empty if `study.json` has none."""
     counts = info.get("counts")
-    found = counts.get("judged") if isinstance(counts, Mapping) else None
-    if not isinstance(found, Mapping) or not found.get("labelled"):
+    judged = counts.get("judged") if isinstance(counts, Mapping) else None
+    if not isinstance(judged, Mapping) or not judged.get("labelled"):
         return ""
-    agrees, labelled = found.get("agrees", 0), found["labelled"]
+    agrees, labelled = judged.get("agrees", 0), judged["labelled"]
     return f"The judge agrees with a person on {agrees} of {labelled} labelled answers."

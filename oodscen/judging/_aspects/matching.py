@@ -9,14 +9,8 @@ from oodscen._numbers import said
 from oodscen._text import stem
 from oodscen.data._scene import Visible
 from oodscen.errors import UsageError
-from oodscen.judging._aspects.concepts import (
-    Concept,
-    Naming,
-    concepts,
-    naming_of,
-    visible_naming,
-    with_broader,
-)
+from oodscen.judging._aspects.concepts import Concept, concepts, with_broader
+from oodscen.judging._aspects.naming import Naming, naming_of, visible_naming
 
 MOST_THINGS = 6
 """The most parts an answer may list; a longer list names nothing in particular."""
@@ -52,7 +46,7 @@ class AspectMatch(NamedTuple):
 
 @checked
 def names_aspect(aspect: str, path: Sequence[str], visible: Sequence[Visible] = ()) -> bool:
-    """Return whether an open answer names what a path is about; see `naming`.
+    """Return whether an open answer names what a path is about; see `score_naming`.
 
     Raises:
         UsageError: If the labels of the path have no order, as those of a set.
@@ -100,21 +94,28 @@ def score_naming(aspect: str, path: Sequence[str], visible: Sequence[Visible] = 
         return AspectMatch(thing=False, right=False)
     answer_naming = naming_of(aspect)
     truths = [(path[-1], naming_of(path[-1])), (path[-1], visible_naming(path[-1]))]
-    for one in visible:
-        text = " ".join(filter(None, (one.what, one.doing, one.where)))
-        if text:
-            truths.append((one.what, naming_of(text)))
-    right = any(_fits(answer_naming, aspect, text, label) for text, label in truths)
-    return AspectMatch(
-        right or any(_names_thing(answer_naming, label) for _, label in truths), right
-    )
+    for thing in visible:
+        sight = " ".join(filter(None, (thing.what, thing.doing, thing.where)))
+        if sight:
+            truths.append((thing.what, naming_of(sight)))
+    is_right = any(_fits(answer_naming, aspect, truth, naming) for truth, naming in truths)
+    is_thing = is_right or any(_names_thing(answer_naming, naming) for _, naming in truths)
+    return AspectMatch(is_thing, is_right)
 
 
-def _fits(answer_naming: Naming, aspect: str, text: str, label: Naming) -> bool:
+def _fits(answer_naming: Naming, aspect: str, truth: str, label: Naming) -> bool:
+    """Return whether an answer is right about one truth, by rules 2 to 5.
+
+    Args:
+        answer_naming: The concepts of the answer.
+        aspect: The answer.
+        truth: The label, or the visible thing.
+        label: The concepts of the label, or of everything that can be seen of the thing.
+    """
     heads = label.heads or _implied(label.concepts)
     if not heads:
         states = {concept.name for concept in label.concepts if concept.kind == "state"}
-        return bool(states & _widened(answer_naming.concepts)) or _names_word(aspect, text)
+        return bool(states & _widened(answer_naming.concepts)) or _names_word(aspect, truth)
     return any(
         _names_oddity(answer_naming, head) or _names_case(answer_naming, label, head)
         for head in heads
@@ -156,11 +157,11 @@ def _names_case(answer_naming: Naming, label: Naming, head: Concept) -> bool:
     """Rules 3 and 4: return whether an answer names a thing and what makes it unusual."""
     things = _things(answer_naming)
     kinds = with_broader(head.name)
-    is_narrow = any(head.name in with_broader(one.name) for one in things)
-    if not is_narrow and not any(one.name in kinds for one in things):
+    is_narrow = any(head.name in with_broader(thing.name) for thing in things)
+    if not is_narrow and not any(thing.name in kinds for thing in things):
         return False
     others = [concept for concept in label.concepts if concept != head]
-    oddities = {one.name for one in others if one.kind in ("odd", "state")}
+    oddities = {concept.name for concept in others if concept.kind in ("odd", "state")}
     named = _widened(answer_naming.concepts)
     if oddities & named:
         return True
@@ -168,7 +169,7 @@ def _names_case(answer_naming: Naming, label: Naming, head: Concept) -> bool:
     if not oddities:
         return _names_circumstances(answer_naming, circumstances, head, is_narrow=is_narrow)
     is_special = (is_narrow and head.name not in GENERAL) or any(
-        one.name in kinds - GENERAL for one in things
+        thing.name in kinds - GENERAL for thing in things
     )
     is_contradicted = _names_other_state(answer_naming, label)
     return is_special and not is_contradicted and bool(circumstances.concepts & named)
@@ -199,66 +200,71 @@ class _Circumstances(NamedTuple):
 
 
 def _names_circumstances(
-    answer_naming: Naming, told: _Circumstances, head: Concept, *, is_narrow: bool
+    answer_naming: Naming, circumstances: _Circumstances, head: Concept, *, is_narrow: bool
 ) -> bool:
     """Rule 4: return whether an answer shares enough acts, places and words with a label.
 
     Args:
         answer_naming: The answer, which names the head or a broader word for it.
-        told: What the label says besides its head.
+        circumstances: Everything that the label says besides its head.
         head: The thing that the label is about.
         is_narrow: Whether the answer names the head itself, or more precisely.
     """
     named = _widened(answer_naming.concepts)
-    shared = told.concepts & named | (told.words & telling_words(" ".join(answer_naming.rest)))
+    shared_words = circumstances.words & telling_words(" ".join(answer_naming.rest))
+    shared = circumstances.concepts & named | shared_words
     if not is_narrow:
         return len(shared) >= ENOUGH_SHARED
     if head.name not in GENERAL:
-        return bool(shared) or not (told.concepts | told.words)
+        return bool(shared) or not (circumstances.concepts | circumstances.words)
     is_plain = any(
         concept.kind == "ordinary" and head.name in with_broader(concept.name)
         for concept in _things(answer_naming)
     )
-    is_standing = {"stopped", "on the road"} <= named and "stopped" in told.acts
-    return is_plain and (is_standing or _singles_out(shared, told, head))
+    is_standing = {"stopped", "on the road"} <= named and "stopped" in circumstances.acts
+    return is_plain and (is_standing or _singles_out(shared, circumstances, head))
 
 
 def _names_other_state(answer_naming: Naming, label: Naming) -> bool:
     """Return whether an answer names states, and none of them is the label's, or broader or narrower."""
-    found = [concept for concept in answer_naming.concepts if concept.kind == "state"]
-    own = {concept.name for concept in label.concepts}
-    return bool(found) and not any(
-        own & with_broader(one.name) or any(one.name in with_broader(name) for name in own)
-        for one in found
+    states = [concept for concept in answer_naming.concepts if concept.kind == "state"]
+    label_names = {concept.name for concept in label.concepts}
+    return bool(states) and not any(
+        label_names & with_broader(state.name)
+        or any(state.name in with_broader(name) for name in label_names)
+        for state in states
     )
 
 
-def _singles_out(shared: set[str], told: _Circumstances, head: Concept) -> bool:
+def _singles_out(shared: set[str], circumstances: _Circumstances, head: Concept) -> bool:
     """Return whether the shared details distinguish this person or vehicle from any other."""
-    if not told.places:
-        return bool(shared) or not (told.acts | told.words)
-    is_act_shared = head.name == "person" or not told.acts or bool(told.acts & shared)
-    return bool(told.places & shared) and is_act_shared
+    acts, places = circumstances.acts, circumstances.places
+    if not places:
+        return bool(shared) or not (acts | circumstances.words)
+    is_act_shared = head.name == "person" or not acts or bool(acts & shared)
+    return bool(places & shared) and is_act_shared
 
 
 def _things(answer_naming: Naming) -> list[Concept]:
     """Return the things named; without any, and without unknown words, the things that states imply."""
-    found = [concept for concept in answer_naming.concepts if concept.kind in ("odd", "ordinary")]
-    is_clear = not telling_words(" ".join(answer_naming.rest))
-    return found or (_implied(answer_naming.concepts) if is_clear else [])
+    things = [concept for concept in answer_naming.concepts if concept.kind in ("odd", "ordinary")]
+    if things or telling_words(" ".join(answer_naming.rest)):
+        return things
+    return _implied(answer_naming.concepts)
 
 
-def _widened(found: Iterable[Concept]) -> set[str]:
-    return {name for concept in found for name in with_broader(concept.name)}
+def _widened(named: Iterable[Concept]) -> set[str]:
+    """Return the names of concepts and of all their broader concepts."""
+    return {name for concept in named for name in with_broader(concept.name)}
 
 
-def _implied(found: Iterable[Concept]) -> list[Concept]:
+def _implied(named: Iterable[Concept]) -> list[Concept]:
     """Return the things that the named states describe."""
-    return [concepts()[concept.implied] for concept in found if concept.implied]
+    return [concepts()[concept.implied] for concept in named if concept.implied]
 
 
 def _names_word(aspect: str, label: str) -> bool:
-    """Rule 5: return whether an answer contains the last word of the label's first phrase."""
+    """Rule 5: return whether an answer contains the last telling word of the label's first phrase."""
     phrase = _PHRASE_END.split(label.casefold(), maxsplit=1)[0]
     head = [word for word in re.findall(r"[a-z]+", phrase) if word not in COMMON][-1:]
     affirmed = " ; ".join(part for part in _parts(aspect) if not _DENIAL.search(part))

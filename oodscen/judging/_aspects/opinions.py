@@ -1,7 +1,7 @@
 """Scores open aspects with a judge model, asked once per distinct answer and path."""
 
 from collections.abc import Mapping, Sequence
-from typing import Literal
+from typing import Any, Literal
 
 from oodscen._redaction import redact
 from oodscen.data._base import Data, digest
@@ -12,6 +12,10 @@ from oodscen.judging._aspects.matching import is_same_wording, score_naming
 from oodscen.llm._ask import ask
 from oodscen.prompts._judging.judge_aspect import JudgeAspect
 from oodscen.protocols import LLM
+
+_LONGEST_ERROR = 2_000
+_LONGEST_REASONING = 600
+"""Maximum lengths of stored texts, in characters."""
 
 
 class Opinion(Data):
@@ -49,11 +53,13 @@ def opinion_id(
     label: str, aspect: str, path: Sequence[str], visible: Sequence[Visible] = ()
 ) -> str:
     """Return the id of a judge's opinion; equal answers about equal truths share one."""
-    truth = [list(path), *([[one.model_dump() for one in visible]] if visible else [])]
-    return digest([label, aspect, *truth])[:20]
+    content: list[Any] = [label, aspect, list(path)]
+    if visible:
+        content.append([thing.model_dump() for thing in visible])
+    return digest(content)[:20]
 
 
-def opinion(
+def ask_opinion(
     judge: LLM, aspect: str, path: Sequence[str], visible: Sequence[Visible] = ()
 ) -> Opinion:
     """Ask a judge whether an aspect names what a path is about.
@@ -73,7 +79,7 @@ def opinion(
     except LLMError as error:
         failure = {
             "status": "failed",
-            "error": redact(str(error))[:2_000],
+            "error": redact(str(error))[:_LONGEST_ERROR],
             "error_type": type(error).__name__,
             "retryable": bool(getattr(error, "retryable", False)),
         }
@@ -81,7 +87,7 @@ def opinion(
     fields = {
         "is_thing": answer.is_same_thing,
         "is_same": answer.is_same_thing and answer.is_same_fault,
-        "reasoning": answer.reasoning[:600],
+        "reasoning": answer.reasoning[:_LONGEST_REASONING],
     }
     return blank.model_copy(update=fields)
 
@@ -104,23 +110,31 @@ def rescore_verdict(
     """
     if not is_open(verdict):
         return verdict
-    found = opinions.get(opinion_id(label, verdict.aspect, path, visible)) if label else None
-    if found is not None and found.is_same is not None:
-        update = {
-            "thing_is_right": found.is_thing,
-            "aspect_is_right": found.is_same,
-            "judge": label,
-            "judge_error": "",
-        }
+    judged = opinions.get(opinion_id(label, verdict.aspect, path, visible)) if label else None
+    if judged is not None and judged.is_same is not None:
+        scores = _scores(judged.is_thing, judged.is_same, judge=label)
     else:
-        error = "" if not label else (found.error if found else None) or "it was not asked"
         by_rule = score_naming(verdict.aspect, path, visible)
-        update = {
-            "thing_is_right": by_rule.thing,
-            "aspect_is_right": by_rule.right,
-            "judge": "",
-            "judge_error": error,
-        }
-    if all(getattr(verdict, name) == value for name, value in update.items()):
+        scores = _scores(by_rule.thing, by_rule.right, error=_why_unjudged(label, judged))
+    if all(getattr(verdict, name) == value for name, value in scores.items()):
         return verdict
-    return verdict.model_copy(update=update)
+    return verdict.model_copy(update=scores)
+
+
+def _scores(
+    is_thing: bool | None, is_right: bool, *, judge: str = "", error: str = ""
+) -> dict[str, object]:
+    """Return the fields of a verdict about its open aspect."""
+    return {
+        "thing_is_right": is_thing,
+        "aspect_is_right": is_right,
+        "judge": judge,
+        "judge_error": error,
+    }
+
+
+def _why_unjudged(label: str, judged: Opinion | None) -> str:
+    """Return why a judge did not score an aspect; empty if no judge is to score it."""
+    if not label:
+        return ""
+    return (judged.error if judged else None) or "it was not asked"

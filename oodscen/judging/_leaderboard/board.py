@@ -86,11 +86,16 @@ class Leaderboard(Data):
         Raises:
             UnknownComponent: If there is no such task.
         """
-        return best_floor([*self.standings, *([self.shortcut] if self.shortcut else [])], task)
+        return best_floor(self.rows, task)
+
+    @property
+    def rows(self) -> list[LeaderboardRow]:
+        """The standings, followed by the best shortcut if there is one."""
+        return [*self.standings, *([self.shortcut] if self.shortcut else [])]
 
 
-def _cell(found: Rate | Estimate) -> str:
-    if found.value is None:
+def _cell(figure: Rate | Estimate) -> str:
+    if figure.value is None:
         return "–"
-    ends = found.interval
-    return f"{found.value:.2f}" + (f" [{ends.low:.2f}, {ends.high:.2f}]" if ends else "")
+    ends = figure.interval
+    return f"{figure.value:.2f}" + (f" [{ends.low:.2f}, {ends.high:.2f}]" if ends else "")

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from itertools import combinations
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -14,7 +14,19 @@ from oodscen.judging._leaderboard.rows import (
     Task,
     best_floor,
 )
-from oodscen.statistics._significance import holm, paired
+from oodscen.statistics._significance import PairedTest, holm, paired
+
+
+class _Pair(NamedTuple):
+    """The tests of two answerers on the items that both answered."""
+
+    first: str
+    second: str
+    test: PairedTest
+    missing: int
+    """Items that the first answerer was asked about and did not answer."""
+    worst: PairedTest
+    """The test with those counted as wrong."""
 
 
 def comparisons(
@@ -27,59 +39,59 @@ def comparisons(
     """Return the models' comparisons with one another, and with the best reference or shortcut, by task."""
     ours = [row for row in standings if row.protocol == "ours"]
     models = [row for row in ours if row.is_judged]
-    model_comparisons: list[ModelComparison] = []
+    found: list[ModelComparison] = []
     for task in TASKS:
+        pairs = [_pair(items, task, *both, sheets, seed=seed) for both in combinations(models, 2)]
+        found += _family(task, "model", [pair for pair in pairs if pair.test.n])
         floor = best_floor([*ours, *([shortcut] if shortcut else [])], task)
-        model_comparisons += _family(
-            items, seed, task, "model", list(combinations(models, 2)), sheets
-        )
         if floor is not None:
-            model_comparisons += _family(
-                items, seed, task, "floor", [(m, floor) for m in models], sheets
-            )
-    return model_comparisons
+            pairs = [_pair(items, task, model, floor, sheets, seed=seed) for model in models]
+            found += _family(task, "floor", [pair for pair in pairs if pair.test.n])
+    return found
+
+
+def _pair(
+    items: Items,
+    task: Task,
+    first: LeaderboardRow,
+    second: LeaderboardRow,
+    sheets: Sheets,
+    *,
+    seed: int,
+) -> _Pair:
+    """Return the tests of two rows in one task; open aspects that different judges scored are left out."""
+    sheet, other = (sheets[row.model, row.protocol] for row in (first, second))
+    right, right_other = sheet.right(task, items), other.right(task, items)
+    is_unlike = sheet.scored_unlike(other) & (task == "open")
+    right = np.where(is_unlike, np.nan, right)
+    test = paired(right, right_other, items.clusters, seed=seed)
+    is_missing = sheet.unanswered(task, items) & ~is_unlike
+    worst = test
+    if test.n and is_missing.any():
+        worst = paired(np.where(is_missing, 0.0, right), right_other, items.clusters, seed=seed)
+    return _Pair(first.model, second.model, test, int(is_missing.sum()), worst)
 
 
 def _family(
-    items: Items,
-    seed: int,
-    task: Task,
-    against: Literal["model", "floor"],
-    pairs: Sequence[tuple[LeaderboardRow, LeaderboardRow]],
-    sheets: Sheets,
+    task: Task, against: Literal["model", "floor"], pairs: Sequence[_Pair]
 ) -> list[ModelComparison]:
     """Return the comparisons of pairs in one task, with p-values corrected for all of them together."""
-    tests, worst = [], []
-    for first, second in pairs:
-        sheet, other = (sheets[row.model, row.protocol] for row in (first, second))
-        one, two = sheet.right(task, items), other.right(task, items)
-        unlike = sheet.scored_unlike(other) & (task == "open")
-        one = np.where(unlike, np.nan, one)
-        test = paired(one, two, items.clusters, seed=seed)
-        if not test.n:
-            continue
-        silent = sheet.unanswered(task, items) & ~unlike
-        tests.append((first.model, second.model, test, int(silent.sum())))
-        filled = np.where(silent, 0.0, one)
-        worst.append(paired(filled, two, items.clusters, seed=seed) if silent.any() else test)
-    plain = holm([test.p_mcnemar for _, _, test, _ in tests])
-    clustered = holm([test.p_clustered for _, _, test, _ in tests])
-    at_worst = holm([test.p_clustered for test in worst])
+    p_holm = holm([pair.test.p_mcnemar for pair in pairs])
+    p_clustered_holm = holm([pair.test.p_clustered for pair in pairs])
+    p_worst_holm = holm([pair.worst.p_clustered for pair in pairs])
     is_floor = against == "floor"
     return [
         ModelComparison(
             task=task,
             against=against,
-            first=first,
-            second=second,
-            test=test,
-            p_holm=p,
-            p_clustered_holm=q,
-            missing=silent if is_floor else 0,
-            worst_difference=least.difference if is_floor else None,
-            p_worst_holm=r if is_floor else None,
+            first=pair.first,
+            second=pair.second,
+            test=pair.test,
+            p_holm=p_holm[index],
+            p_clustered_holm=p_clustered_holm[index],
+            missing=pair.missing if is_floor else 0,
+            worst_difference=pair.worst.difference if is_floor else None,
+            p_worst_holm=p_worst_holm[index] if is_floor else None,
         )
-        for (first, second, test, silent), least, p, q, r in zip(
-            tests, worst, plain, clustered, at_worst, strict=True
-        )
+        for index, pair in enumerate(pairs)
     ]

@@ -50,10 +50,10 @@ class PairColumns:
             """Return whether something holds for the scene or for one of its drives."""
             return (scene | _any(owner, drive[rows], n)) & sheet.was_asked
 
-        silent = np.isnan(sheet.safe) & ~sheet.is_neutral
+        is_missing = np.isnan(sheet.safe) & ~sheet.is_neutral
         acts_wrongly = either(sheet.safe == 0, sheet.fitting == 0)
         notices_wrongly = either(sheet.called == 0, sheet.called == 1)
-        neutral = either(sheet.is_neutral, sheet.is_neutral) & ~either(silent, silent)
+        is_neutral = either(sheet.is_neutral, sheet.is_neutral) & ~either(is_missing, is_missing)
         fitting = _products(owner, sheet.fitting[rows], n)
         quiet = _products(owner, 1.0 - sheet.called[rows], n)
         return cls(
@@ -61,29 +61,29 @@ class PairColumns:
             notice=np.where(notices_wrongly, 0.0, sheet.called * quiet),
             act=np.where(acts_wrongly, 0.0, sheet.safe * fitting),
             drop=share - sheet.safe,
-            is_neutral=neutral & ~acts_wrongly,
+            is_neutral=is_neutral & ~acts_wrongly,
         )
 
 
 def _sums(owner: NDArray[np.int64], values: Floats, n: int) -> Floats:
     """Return the sums of [k] values by owner: [n], NaN if one of them is."""
-    found = np.zeros(n)
-    np.add.at(found, owner, values)
-    return found
+    sums = np.zeros(n)
+    np.add.at(sums, owner, values)
+    return sums
 
 
 def _any(owner: NDArray[np.int64], values: Mask, n: int) -> Mask:
     """Return whether one of [k] values is true, by owner: [n]."""
-    found = np.zeros(n, np.bool_)
-    found[owner[values]] = True
-    return found
+    is_any = np.zeros(n, np.bool_)
+    is_any[owner[values]] = True
+    return is_any
 
 
 def _products(owner: NDArray[np.int64], values: Floats, n: int) -> Floats:
     """Return the products of [k] values by owner: [n], NaN if one of them is."""
-    found = np.ones(n)
-    np.multiply.at(found, owner, values)
-    return found
+    products = np.ones(n)
+    np.multiply.at(products, owner, values)
+    return products
 
 
 def figures(items: Items, sheet: AnswerColumns) -> dict[str, Ratio]:
@@ -112,19 +112,18 @@ def rate(
     is_fault: bool = False,
 ) -> Rate:
     """Return a share; if it counts faults, the worst case counts every missing answer as one."""
-    there = column.is_there
-    hits, n = float(column.above.sum()), int(there.sum())
-    units = resampler.count(there)
+    hits, n = float(column.above.sum()), int(column.is_there.sum())
+    units = resampler.count(column.is_there)
     if replicates is None and units >= FEWEST_CLUSTERS:
         replicates = resample_ratios(resampler, [column])[:, 0]
     missing = int(column.missing(sheet).sum())
-    least = hits + missing if is_fault else hits
+    worst_hits = hits + missing if is_fault else hits
     return Rate(
         hits=round(hits),
         n=n,
         missing=missing,
         value=round(hits / n, 6) if n else None,
-        with_missing_wrong=round(least / (n + missing), 6) if n + missing else None,
+        with_missing_wrong=round(worst_hits / (n + missing), 6) if n + missing else None,
         interval=share_bounds(hits, n, units, replicates),
         paths=units,
     )

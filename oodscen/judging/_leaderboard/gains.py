@@ -21,11 +21,11 @@ def mean_of(resampler: Resampler, column: Ratio) -> Estimate:
     n = int(column.is_there.sum())
     if not n:
         return Estimate()
-    found = resampler.ratios(column.above[:, None], column.below[:, None])[:, 0]
+    replicates = resampler.ratios(column.above[:, None], column.below[:, None])[:, 0]
     return Estimate(
         value=round(float(column.above.sum()) / n, 6),
         n=n,
-        interval=percentiles(found, resampler.count(column.is_there)),
+        interval=percentiles(replicates, resampler.count(column.is_there)),
     )
 
 
@@ -35,30 +35,34 @@ def with_gains(
     """Return the rows, with the leads of models over the best blind reference and over themselves blindfolded."""
     ours = [row for row in rows if row.protocol == "ours"]
     blind = [row for row in ours if row.is_blind]
-    names = {row.model: row for row in ours}
+    by_name = {row.model: row for row in ours}
     pairs = {row.model: PairColumns.of(items, sheets[row.model, "ours"]) for row in ours}
 
     def gain(row: LeaderboardRow, other: LeaderboardRow, figure: Figure) -> Gain:
-        one, two = (getattr(pairs[name], figure) for name in (row.model, other.model))
-        column = Ratio(one - two, pairs[row.model].mask)
+        lead = getattr(pairs[row.model], figure) - getattr(pairs[other.model], figure)
+        column = Ratio(lead, pairs[row.model].mask)
         return Gain(against=other.model, figure=figure, difference=mean_of(resampler, column))
 
-    def led(row: LeaderboardRow) -> LeaderboardRow:
+    def with_leads(row: LeaderboardRow) -> LeaderboardRow:
         if row.kind == "reference" or row.protocol != "ours":
             return row
-        best = [
-            (max(blind, key=lambda leaderboard_row: _value(leaderboard_row, name)), name)
-            for name in FIGURES
-            if blind
-        ]
-        leads = {"over_blind": tuple(gain(row, other, name) for other, name in best)}
-        if withheld := names.get(without_pictures(row.model)):
-            leads["over_withheld"] = tuple(gain(row, withheld, name) for name in FIGURES)
+        leads: dict[str, tuple[Gain, ...]] = {"over_blind": ()}
+        if blind:
+            leads["over_blind"] = tuple(
+                gain(row, _best(blind, figure), figure) for figure in FIGURES
+            )
+        if withheld := by_name.get(without_pictures(row.model)):
+            leads["over_withheld"] = tuple(gain(row, withheld, figure) for figure in FIGURES)
         return row.model_copy(update={"paired": row.paired.model_copy(update=leads)})
 
-    return [led(row) for row in rows]
+    return [with_leads(row) for row in rows]
 
 
-def _value(row: LeaderboardRow, figure: Figure) -> float:
-    value = getattr(row.paired, figure).value
-    return -np.inf if value is None else float(value)
+def _best(rows: Sequence[LeaderboardRow], figure: Figure) -> LeaderboardRow:
+    """Return the row with the highest figure; one without it is lowest."""
+
+    def value(row: LeaderboardRow) -> float:
+        share = getattr(row.paired, figure).value
+        return -np.inf if share is None else float(share)
+
+    return max(rows, key=value)

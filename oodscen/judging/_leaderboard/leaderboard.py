@@ -50,12 +50,14 @@ def leaderboard(
         seed: Seed of the resampling.
     """
     seed_number(seed)
-    found = last_by(episodes, lambda one: one.scene_id)
-    ran = [
-        episode for episode in last_by(whole, lambda one: one.scene_id) if episode.status == "ok"
+    episodes = list(episodes)
+    items = Items.of(episodes, {scenario.id: scenario for scenario in scenarios})
+    whole_ran = [
+        episode
+        for episode in last_by(whole, lambda episode: episode.scene_id)
+        if episode.status == "ok"
     ]
-    seen = {episode.scene_id for episode in ran if episode.hazard_visible}
-    items = Items.of(found, {scenario.id: scenario for scenario in scenarios})
+    seen = {episode.scene_id for episode in whole_ran if episode.hazard_visible}
     study = SharedValues(
         items,
         Resampler(items.clusters, seed=seed),
@@ -63,19 +65,19 @@ def leaderboard(
         np.array([episode.scene_id in seen for episode in items.episodes], np.bool_),
     )
     grouped: dict[tuple[str, Protocol], list[Verdict]] = {}
-    for verdict in last_by(verdicts, lambda one: (one.model, one.protocol, one.scene_id)):
+    for verdict in last_by(verdicts, lambda row: (row.model, row.protocol, row.scene_id)):
         grouped.setdefault((verdict.model, verdict.protocol), []).append(verdict)
-    sheets = {key: AnswerColumns.of(items, given) for key, given in grouped.items()}
-    rows = [standing(study, sheets[key], given) for key, given in grouped.items()]
+    sheets = {key: AnswerColumns.of(items, group) for key, group in grouped.items()}
+    rows = [standing(study, sheets[key], group) for key, group in grouped.items()]
     standings = with_gains(items, study.resampler, sorted(rows, key=_rank), sheets)
-    calls = (audit.best_calls(found) if audit else None) or rule_calls(items)
-    asked = {one.scene_id for given in grouped.values() for one in given}
-    shortcut = [verdict for verdict in shortcut_verdicts(items, calls) if verdict.scene_id in asked]
-    floor = None
-    if shortcut:
-        sheet = AnswerColumns.of(items, shortcut)
-        floor = standing(study, sheet, shortcut)
-        sheets[floor.model, "ours"] = sheet
+    calls = (audit.best_calls(episodes) if audit else None) or rule_calls(items)
+    asked = {verdict.scene_id for group in grouped.values() for verdict in group}
+    calls_asked = [call for call in shortcut_verdicts(items, calls) if call.scene_id in asked]
+    shortcut = None
+    if calls_asked:
+        sheet = AnswerColumns.of(items, calls_asked)
+        shortcut = standing(study, sheet, calls_asked)
+        sheets[shortcut.model, "ours"] = sheet
     judged = [row for row in rows if row.is_judged]
     scene, acted = items.is_scene, items.is_scene & items.has_actions
     return Leaderboard(
@@ -86,20 +88,14 @@ def leaderboard(
         all_safe=int((acted & (items.unsafe == 0)).sum()),
         none_safe=int((acted & (items.safe == 0)).sum()),
         chance=items.chance_over(acted),
-        icc=_icc(
-            items,
-            [
-                sheets[leaderboard_row.model, leaderboard_row.protocol]
-                for leaderboard_row in judged or rows
-            ],
-        ),
+        icc=_icc(items, [sheets[row.model, row.protocol] for row in judged or rows]),
         judge=_judge(grouped.values()),
-        whole=len(ran),
+        whole=len(whole_ran),
         whole_shown=len(seen),
         actions=_tallies(items),
         standings=tuple(standings),
-        shortcut=floor,
-        comparisons=tuple(comparisons(items, seed, standings, floor, sheets)),
+        shortcut=shortcut,
+        comparisons=tuple(comparisons(items, seed, standings, shortcut, sheets)),
         seed=seed,
     )
 
@@ -116,44 +112,45 @@ def _rank(row: LeaderboardRow) -> tuple[bool, str, float, float, str]:
 
 def _judge(grouped: Iterable[Sequence[Verdict]]) -> str:
     """Return the judge that scored most of the open aspects; empty for the matcher."""
-    count = Counter(verdict.judge for verdicts in grouped for verdict in verdicts if verdict.judge)
-    return max(count, key=count.__getitem__, default="")
+    judges = Counter(verdict.judge for verdicts in grouped for verdict in verdicts if verdict.judge)
+    return max(judges, key=judges.__getitem__, default="")
 
 
 def _groups(items: Items) -> list[tuple[SceneGroup, Mask]]:
     """Return every class, family and path with its scenes, in order of appearance."""
-    found = []
+    groups = []
     for level, labels in items.levels.items():
-        for name in dict.fromkeys(label for label in labels if label):
+        for name in dict.fromkeys(filter(None, labels)):
             mask = np.array([label == name for label in labels]) & items.is_scene
-            if mask.any():
-                at = int(np.flatnonzero(mask)[0])
-                group = SceneGroup(
-                    level=level,
-                    name=name,
-                    parent=items.parent(level, at),
-                    scenes=int(mask.sum()),
-                    chance=items.chance_over(mask & items.has_actions),
-                )
-                found.append((group, mask))
-    return found
+            if not mask.any():
+                continue
+            group = SceneGroup(
+                level=level,
+                name=name,
+                parent=items.parent(level, int(np.flatnonzero(mask)[0])),
+                scenes=int(mask.sum()),
+                chance=items.chance_over(mask & items.has_actions),
+            )
+            groups.append((group, mask))
+    return groups
 
 
 def _tallies(items: Items) -> tuple[ActionTally, ...]:
-    rows: dict[str, Counter[str]] = {}
+    """Return the outcomes of every action over the scenes."""
+    tallies: dict[str, Counter[str]] = {}
     for episode in items.episodes:
         if episode.is_ordinary:
             continue
         for action, outcome in episode.actions.items():
-            rows.setdefault(action, Counter())[outcome.label] += 1
-    return tuple(ActionTally(action=action, **dict(rows[action])) for action in as_offered(rows))
+            tallies.setdefault(action, Counter())[outcome.label] += 1
+    return tuple(ActionTally(action=action, **tallies[action]) for action in as_offered(tallies))
 
 
 def _icc(items: Items, sheets: Iterable[AnswerColumns]) -> float | None:
     """Return the greatest intraclass correlation, within a path, of safe actions in scenes."""
-    found = []
+    correlations = []
     for sheet in sheets:
-        there = items.is_scene & np.isfinite(sheet.safe)
-        labels = [label for label, keep in zip(items.clusters, there, strict=True) if keep]
-        found.append(intraclass(sheet.safe[there], labels))
-    return max((value for value in found if value is not None), default=None)
+        scores = items.is_scene & np.isfinite(sheet.safe)
+        paths = [path for path, is_scored in zip(items.clusters, scores, strict=True) if is_scored]
+        correlations.append(intraclass(sheet.safe[scores], paths))
+    return max((value for value in correlations if value is not None), default=None)

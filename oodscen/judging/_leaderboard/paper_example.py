@@ -96,9 +96,9 @@ def paper_example(*, icc: float = 0.2) -> PaperExample:
     clustered = scenes_needed(0.66, 0.51, per_path=paper.PER_PATH, icc=icc)
     effect = clustered.design_effect
     rows = tuple(
-        _row(model, task, found[index], effect)
+        _row(model, task, hits[index], effect)
         for index, task in enumerate(TASKS)
-        for model, found in paper.VLM_SUCCESS.items()
+        for model, hits in paper.VLM_SUCCESS.items()
     )
     comparisons = tuple(pair for task in TASKS for pair in _pairs(rows, task, effect))
     return PaperExample(
@@ -166,9 +166,10 @@ def _lead(
     comparisons: tuple[PaperComparison, ...], field: Literal["p_holm", "p_clustered_holm"]
 ) -> tuple[str, float]:
     """Return the leader in choosing an action, and the largest p of that lead."""
-    first = comparisons[-len(comparisons) // 2].first
-    lead = [c for c in comparisons if c.task == "control" and c.first == first]
-    return first, max(getattr(c, field) for c in lead)
+    control = [comparison for comparison in comparisons if comparison.task == "control"]
+    leader = control[0].first
+    lead = [comparison for comparison in control if comparison.first == leader]
+    return leader, max(getattr(comparison, field) for comparison in lead)
 
 
 def _row(model: str, task: Task, hits: int, effect: float) -> PaperRow:
@@ -187,31 +188,31 @@ def _row(model: str, task: Task, hits: int, effect: float) -> PaperRow:
 
 
 def _pairs(rows: tuple[PaperRow, ...], task: Task, effect: float) -> list[PaperComparison]:
+    """Return the comparisons of every two models in a task, in the order of the paper's table."""
     pairs = list(combinations([row for row in rows if row.task == task], 2))
     plain = [two_proportions(a.hits, N, b.hits, N) for a, b in pairs]
     wide = [
         two_proportions(a.hits / effect, N / effect, b.hits / effect, N / effect) for a, b in pairs
     ]
-    found = []
-    for (a, b), p, p_holm, q, q_holm in zip(
-        pairs, plain, holm(plain), wide, holm(wide), strict=True
-    ):
-        least, most = _disagreements(a.hits, b.hits)
-        found.append(
+    plain_holm, wide_holm = holm(plain), holm(wide)
+    comparisons = []
+    for index, (a, b) in enumerate(pairs):
+        fewest, most = _disagreements(a.hits, b.hits)
+        comparisons.append(
             PaperComparison(
                 task=task,
                 first=a.model,
                 second=b.model,
                 difference=(a.hits - b.hits) / N,
-                p=p,
-                p_holm=p_holm,
-                p_clustered=q,
-                p_clustered_holm=q_holm,
-                p_paired_least=mcnemar(*least)[1],
+                p=plain[index],
+                p_holm=plain_holm[index],
+                p_clustered=wide[index],
+                p_clustered_holm=wide_holm[index],
+                p_paired_least=mcnemar(*fewest)[1],
                 p_paired_most=mcnemar(*most)[1],
             )
         )
-    return found
+    return comparisons
 
 
 def _disagreements(first: int, second: int) -> tuple[tuple[int, int], tuple[int, int]]:

@@ -49,22 +49,20 @@ class SampleSize(Data):
 
     def power_of(self, scenes: int) -> float:
         """Return the probability that this many scenes per model show the difference."""
-        known = {field.name: getattr(self, field.name) for field in fields(_Design)}
-        return _Design(**known).power(scenes)
+        design = _Design(**{field.name: getattr(self, field.name) for field in fields(_Design)})
+        return design.power(scenes)
 
     def __str__(self) -> str:
-        how = (
-            f"both models on the same scenes (their answers correlate by {self.agreement:.2g})"
-            if self.is_paired
-            else "each model on scenes of its own"
-        )
-        first, second = told_apart(self.first, self.second, digits=1)
-        (power,) = told_apart(self.power)
+        pairing = "each model on scenes of its own"
+        if self.is_paired:
+            pairing = (
+                f"both models on the same scenes (their answers correlate by {self.agreement:.2g})"
+            )
+        first, second = distinct_percents(self.first, self.second, digits=1)
+        (power,) = distinct_percents(self.power)
+        several = f" over {self.comparisons} comparisons" if self.comparisons > 1 else ""
         lines = [
-            f"To tell {first} from {second}, {how}, with power {power} at "
-            f"alpha {self.alpha:g}"
-            + (f" over {self.comparisons} comparisons" if self.comparisons > 1 else "")
-            + ":",
+            f"To tell {first} from {second}, {pairing}, with power {power} at alpha {self.alpha:g}{several}:",
             f"  {self.independent} scenes if all were independent",
         ]
         if self.per_path > 1:
@@ -75,19 +73,20 @@ class SampleSize(Data):
         return "\n".join(lines)
 
 
-def told_apart(*shares: float, digits: int = 0) -> list[str]:
+def distinct_percents(*shares: float, digits: int = 0) -> list[str]:
     """Return shares as percentages with as many digits as tell them from each other, from 0 and from 100 %.
 
     Args:
         shares: Shares in [0, 1].
         digits: The fewest digits after the point.
     """
-    told: list[str] = []
+    percents: list[str] = []
     for count in range(digits, _MOST_DIGITS + 1):
-        told = [f"{share:.{count}%}" for share in shares]
-        if len({*told, *(f"{end:.{count}%}" for end in (0, 1))}) == len({*shares, 0.0, 1.0}):
+        percents = [f"{share:.{count}%}" for share in shares]
+        ends = (f"{end:.{count}%}" for end in (0, 1))
+        if len({*percents, *ends}) == len({*shares, 0.0, 1.0}):
             break
-    return told
+    return percents
 
 
 @checked
@@ -186,9 +185,9 @@ class _Design:
     icc: float
 
     def __post_init__(self) -> None:
-        rates = (("the first rate", self.first), ("the second rate", self.second))
-        for name, rate in (*rates, ("alpha", self.alpha)):
-            finite_number(name, rate, _LEAST, 1 - _LEAST)
+        finite_number("the first rate", self.first, _LEAST, 1 - _LEAST)
+        finite_number("the second rate", self.second, _LEAST, 1 - _LEAST)
+        finite_number("alpha", self.alpha, _LEAST, 1 - _LEAST)
         if abs(self.first - self.second) < _LEAST:
             raise UsageError("no number of scenes can tell equal rates apart")
         finite_number("agreement, a correlation,", self.agreement, -1, 1)
@@ -234,7 +233,8 @@ class _Design:
         if self.is_paired:
             discordant = self.discordant
             return math.sqrt(discordant), math.sqrt(max(discordant - (first - second) ** 2, 0.0))
-        pooled, variance = (first + second) / 2, first * (1 - first) + second * (1 - second)
+        pooled = (first + second) / 2
+        variance = first * (1 - first) + second * (1 - second)
         return math.sqrt(2 * pooled * (1 - pooled)), math.sqrt(variance)
 
     def power(self, scenes: int) -> float:

@@ -20,7 +20,7 @@ from oodscen.data._scenario import Scenario
 from oodscen.data._verdict import Verdict, is_without_pictures
 from oodscen.errors import UsageError
 from oodscen.judging._items import AnswerColumns, Floats, Items, Mask
-from oodscen.judging._leaderboard.figures import figures
+from oodscen.judging._leaderboard.figures import figures as figures_of
 from oodscen.statistics._bar_test import p_below, times_needed
 
 ALPHA = 0.05
@@ -98,8 +98,8 @@ class RequirementResult(Data):
         return f"cannot tell yet, {self.more_scenes:,} more scenes"
 
 
-def parse_requirement(text: str, known: Mapping[str, str] = FIGURES) -> tuple[Bar, ...]:
-    """Return the bars of a text such as `safe>=0.9,needless<=5%`, on the known figures.
+def parse_requirement(text: str, figures: Mapping[str, str] = FIGURES) -> tuple[Bar, ...]:
+    """Return the bars of a text such as `safe>=0.9,needless<=5%`, each on one of some figures.
 
     Raises:
         UsageError: If it is malformed, names an unknown figure, or holds bars that exclude each other.
@@ -111,8 +111,8 @@ def parse_requirement(text: str, known: Mapping[str, str] = FIGURES) -> tuple[Ba
             raise UsageError(f"{part.strip()!r} is not a requirement: expected, e.g., safe>=0.9")
         name, sign, number, percent = match.groups()
         value = float(number) / (100 if percent else 1)
-        if name not in known:
-            raise UsageError(f"no figure is called {name!r}; there are {', '.join(known)}")
+        if name not in figures:
+            raise UsageError(f"no figure is called {name!r}; there are {', '.join(figures)}")
         if not 0 <= value <= 1:
             raise UsageError(f"the bar of {name} must lie between 0 and 1")
         bars.append(Bar(figure=name, sign=sign, value=value))
@@ -145,7 +145,7 @@ def requirements(
 
     `episodes` are those of scenes and ordinary drives; `bars` holds at least one.
     """
-    items = Items.of(list(episodes), {scenario.id: scenario for scenario in scenarios})
+    items = Items.of(episodes, {scenario.id: scenario for scenario in scenarios})
     grouped: dict[str, list[Verdict]] = {}
     for verdict in verdicts:
         is_graded = verdict.kind == "model" and not is_without_pictures(verdict.model)
@@ -153,18 +153,18 @@ def requirements(
             grouped.setdefault(verdict.model, []).append(verdict)
     level = ALPHA / max(len(grouped), 1)
     return [
-        _grade(items, model, AnswerColumns.of(items, found), bars, level, seed)
-        for model, found in sorted(grouped.items())
+        _grade(items, model, AnswerColumns.of(items, rows), bars, level, seed)
+        for model, rows in sorted(grouped.items())
     ]
 
 
 def _grade(
     items: Items, model: str, sheet: AnswerColumns, bars: Sequence[Bar], level: float, seed: int
 ) -> RequirementResult:
-    known = figures(items, sheet)
+    ratios = figures_of(items, sheet)
     tests = []
     for bar in bars:
-        ratio = known[bar.figure]
+        ratio = ratios[bar.figure]
         values = np.where(ratio.is_there, ratio.above, np.nan)
         tests.append(RequirementTest(items.clusters, values, ratio.missing(sheet), bar, seed))
     per_path = int(items.is_scene.sum()) / max(len(set(items.clusters)), 1)
@@ -180,18 +180,18 @@ def grade_of(
     """
     results = tuple(test.result() for test in tests)
     level_each = level / len(tests)
-    grade: Grade = "cannot tell yet"
-    more = None
     if all(result.p_meets <= level for result in results):
-        grade = "meets"
-    elif any(result.p_fails <= level_each for result in results):
-        grade = "fails"
-    else:
-        times = _times(tests, results, level, level_each)
-        if times is not None:
-            paths = max(result.paths for result in results)
-            more = max(math.ceil((times - 1) * paths * per_path), 1)
-    return RequirementResult(name=name, grade=grade, more_scenes=more, bars=results)
+        return RequirementResult(name=name, grade="meets", bars=results)
+    if any(result.p_fails <= level_each for result in results):
+        return RequirementResult(name=name, grade="fails", bars=results)
+    more_scenes = None
+    times = _times(tests, results, level, level_each)
+    if times is not None:
+        paths = max(result.paths for result in results)
+        more_scenes = max(math.ceil((times - 1) * paths * per_path), 1)
+    return RequirementResult(
+        name=name, grade="cannot tell yet", more_scenes=more_scenes, bars=results
+    )
 
 
 def _times(
@@ -201,19 +201,22 @@ def _times(
     level_each: float,
 ) -> float | None:
     """Return how many times as large the study must be to decide, if its figures stay as they are."""
-    falling = [t for test in tests if (t := test.times(level_each, is_met=False)) is not None]
-    if falling:
-        return min(falling)
-    rising = [
-        test.times(level, is_met=True)
-        for test, result in zip(tests, results, strict=True)
-        if result.p_meets > level
-    ]
-    return None if None in rising else max(one for one in rising if one is not None)
+    to_fail = [test.times(level_each, is_met=False) for test in tests]
+    possible = [times for times in to_fail if times is not None]
+    if possible:
+        return min(possible)
+    to_meet = []
+    for test, result in zip(tests, results, strict=True):
+        if result.p_meets > level:
+            times = test.times(level, is_met=True)
+            if times is None:
+                return None
+            to_meet.append(times)
+    return max(to_meet)
 
 
 class RequirementTest:
-    """The test of one bar: gaps of every path, with missing answers against the word that is tested.
+    """The test of one bar: gaps of every path, with missing answers against the grade that is tested.
 
     Args:
         clusters: [n] the path of every item.
@@ -231,40 +234,40 @@ class RequirementTest:
         self._missing, self._counts = missing, is_there | missing
         above = np.where(is_there, values, 0.0)
         self._n, self._sum = int(is_there.sum()), float(above.sum())
-        kept: list[int] = np.flatnonzero(self._counts).tolist()
-        labels = [clusters[row] for row in kept]
-        order = {label: place for place, label in enumerate(sorted(set(labels)))}
-        member = np.array([order[label] for label in labels], np.int64)
-        self._units = len(order)
+        rows: list[int] = np.flatnonzero(self._counts).tolist()
+        paths = [clusters[row] for row in rows]
+        unit_of = {path: unit for unit, path in enumerate(sorted(set(paths)))}
+        units = np.array([unit_of[path] for path in paths], np.int64)
+        self._units = len(unit_of)
         is_least = bar.sign == ">="
-        hits = above[kept] if is_least else np.where(missing, 0.0, 1 - above)[kept]
+        hits = above[rows] if is_least else np.where(missing, 0.0, 1 - above)[rows]
         self._share = bar.value if is_least else 1 - bar.value
-        self._size = np.bincount(member, minlength=self._units).astype(np.float64)
-        self._right = np.bincount(member, weights=hits, minlength=self._units)
-        self._open = np.bincount(member, weights=missing[kept], minlength=self._units)
+        self._size = np.bincount(units, minlength=self._units).astype(np.float64)
+        self._right = np.bincount(units, weights=hits, minlength=self._units)
+        self._unanswered = np.bincount(units, weights=missing[rows], minlength=self._units)
 
     def gaps(self, *, is_met: bool) -> tuple[Floats, float]:
-        """Return the gap of every path in favour of a word, and the least that a path can have."""
+        """Return the gap of every path in favour of "meets" or "fails", and the least that a path can have."""
         most = max(float(self._size.max(initial=0)), 1.0)
         if is_met:
             return (self._right - self._share * self._size) / most, -self._share
-        right = self._right + self._open
+        right = self._right + self._unanswered
         return (self._share * self._size - right) / most, self._share - 1
 
     def p(self, *, is_met: bool) -> float:
-        """Return the p-value of the opposite of a word."""
-        found, least = self.gaps(is_met=is_met)
-        # A bar that cannot be missed (>= 0) is met; one that cannot be beaten is never failed.
+        """Return the p-value of the opposite of "meets" or "fails"."""
+        gaps, least = self.gaps(is_met=is_met)
+        # A bar that cannot be missed (>= 0) is met, and never failed.
         if is_met and self._share <= 0:
             return 0.0
-        if not len(found) or (not is_met and self._share <= 0):
+        if not len(gaps) or (not is_met and self._share <= 0):
             return 1.0
-        return p_below(found, least, seed=self._seed)
+        return p_below(gaps, least, seed=self._seed)
 
     def times(self, level: float, *, is_met: bool) -> float | None:
-        """Return how many times as many paths would show a word; `None` if hardly any number would."""
-        found, least = self.gaps(is_met=is_met)
-        return times_needed(found, least, level, seed=self._seed)
+        """Return how many times as many paths would show "meets" or "fails"; `None` if hardly any number would."""
+        gaps, least = self.gaps(is_met=is_met)
+        return times_needed(gaps, least, level, seed=self._seed)
 
     def result(self) -> BarResult:
         """Return the figure and both p-values."""

@@ -226,15 +226,15 @@ class ActionTally(Data):
 
 def best_floor(standings: Sequence[LeaderboardRow], task: Task) -> LeaderboardRow | None:
     """Return the best reference in a task that does not know the truth."""
-    seen = [
-        (value, row)
+    floors = [
+        row
         for row in standings
         if row.kind == "reference"
         and not row.model.startswith(PRIVILEGED)
         and row.protocol == "ours"
-        and (value := score(row, task)) is not None
+        and score(row, task) is not None
     ]
-    return max(seen, key=lambda item: item[0], default=(0.0, None))[1]
+    return max(floors, key=lambda row: score(row, task) or 0.0, default=None)
 
 
 def rates(row: LeaderboardRow, task: Task) -> tuple[Rate, ...]:

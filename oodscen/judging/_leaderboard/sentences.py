@@ -20,7 +20,9 @@ def sentences(board: "Leaderboard") -> list[str]:
     models = [row for row in judged if row.protocol == "ours"]
     if not models:
         return [_ONLY_THE_PAPERS if judged else _no_models(board), *_bar(board)]
-    about_models = [text for row in models for text in (_main(row), _unfinished(board, row))]
+    about_models = [
+        text for row in models for text in (_main_figures(row), _unfinished(board, row))
+    ]
     basis = f"{number_of(board.scenes, 'scene')} of {number_of(board.paths, 'path')}"
     rest = f"This rests on {basis}. Brackets hold {percent(board.level)} intervals."
     return [text for text in (*about_models, constants(board), rest) if text]
@@ -36,15 +38,15 @@ def constants(board: "Leaderboard") -> str:
                 f"{percent(rate.value)} with a {kind}"
                 for kind, rate in row.paired.act_by_kind.items()
             )
-            what = f"“{action.replace('_', ' ')}” {percent(row.paired.act.value)}"
-            parts.append(f"{what}{bracketed(row.paired.act)} ({kinds})")
+            share = f"{percent(row.paired.act.value)}{bracketed(row.paired.act)}"
+            parts.append(f"“{action.replace('_', ' ')}” {share} ({kinds})")
     if not parts:
         return ""
     return f"Choosing the same action everywhere, without looking, is right in: {'; '.join(parts)}."
 
 
-def _main(row: LeaderboardRow) -> str:
-    """Return the sentences on a model's main figures."""
+def _main_figures(row: LeaderboardRow) -> str:
+    """Return the sentence on a model's main figures."""
     paired, parts = row.paired, []
     if paired.notice.n:
         parts.append(
@@ -68,38 +70,38 @@ def _main(row: LeaderboardRow) -> str:
 
 def _share(rate: Rate) -> str:
     """Return a share with its interval, and what it is with every missing answer counted as wrong."""
-    told = f"{percent(rate.value)}{bracketed(rate)}"
+    share = f"{percent(rate.value)}{bracketed(rate)}"
     if not rate.missing:
-        return told
-    return f"{told} (with its missing answers counted as wrong: {percent(rate.with_missing_wrong)})"
+        return share
+    return (
+        f"{share} (with its missing answers counted as wrong: {percent(rate.with_missing_wrong)})"
+    )
 
 
 def _gain(scores: PairedScores, figure: str) -> str:
     """Return the leads in a figure over those who see no picture, in brackets."""
-    against = [(gain, f"“{gain.against}” without the pictures") for gain in scores.over_blind]
-    against += [(gain, "itself without the pictures") for gain in scores.over_withheld]
+    gains = [(gain, f"“{gain.against}” without the pictures") for gain in scores.over_blind]
+    gains += [(gain, "itself without the pictures") for gain in scores.over_withheld]
     parts = []
-    for one, whom in against:
-        if one.figure == figure and one.difference.value is not None:
-            scored = f"in the {number_of(one.difference.n, 'scene')} scored for both"
-            parts.append(
-                f"{lead(one.difference.value, whom)}{bracketed_points(one.difference)} {scored}"
-            )
+    for gain, other in gains:
+        difference = gain.difference
+        if gain.figure == figure and difference.value is not None:
+            points = f"{lead(difference.value, other)}{bracketed_points(difference)}"
+            parts.append(f"{points} in the {number_of(difference.n, 'scene')} scored for both")
     return f" ({', '.join(parts)})" if parts else ""
 
 
 def _unfinished(board: "Leaderboard", row: LeaderboardRow) -> str:
-    """Return the sentence on the items that stayed unanswered."""
-    silent = sum(row.outcomes.values()) - sum(
-        row.outcomes.get(name, 0) for name in ("answered", "unavailable")
-    )
+    """Return the sentence on the items that stayed unanswered; empty if none did."""
+    answered = sum(row.outcomes.get(name, 0) for name in ("answered", "unavailable"))
+    unanswered = sum(row.outcomes.values()) - answered
     most = max(standing.asked for standing in board.standings)
     parts = []
     if row.asked < most and row.detection.specificity.n:
         parts.append(f"was asked about {row.asked} of the {most} drives so far")
-    if silent:
+    if unanswered:
         parts.append(
-            f"left a question unanswered in {silent} of {row.asked} drives, which its figures leave out"
+            f"left a question unanswered in {unanswered} of {row.asked} drives, which its figures leave out"
         )
     return f"{row.model} {' and '.join(parts)}." if parts else ""
 
@@ -116,14 +118,14 @@ def _bar(board: "Leaderboard") -> list[str]:
     floor = board.floor("control")
     if floor is None or floor.control.safe.value is None:
         return []
-    who = f"“{floor.model}”"
+    answerer = f"“{floor.model}”"
     if floor.model.startswith("constant:"):
         action = floor.model.removeprefix("constant:").replace("_", " ")
-        who = f"always choosing “{action}”, whatever is seen,"
+        answerer = f"always choosing “{action}”, whatever is seen,"
     safe = floor.control.safe
     chance = "" if board.chance is None else f", a random action in {percent(board.chance)} of all"
     return [
-        f"The bar to beat: {who} is safe in {percent(safe.value)}{bracketed(safe)} of the "
+        f"The bar to beat: {answerer} is safe in {percent(safe.value)}{bracketed(safe)} of the "
         f"{number_of(safe.n, 'scene')} in which it scores{chance}.",
         f"Brackets hold a {percent(board.level)} interval.",
     ]

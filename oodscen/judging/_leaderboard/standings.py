@@ -52,20 +52,20 @@ def standing(
         kind=verdicts[0].kind,
         protocol=protocol,
         asked=len(verdicts),
-        outcomes=dict(sorted(Counter(outcome_of(v) for v in verdicts).items())),
-        contradictions=sum(bool(v.contradiction) for v in verdicts),
-        outdated=sum(v.is_outdated for v in verdicts),
+        outcomes=dict(sorted(Counter(map(outcome_of, verdicts)).items())),
+        contradictions=sum(bool(verdict.contradiction) for verdict in verdicts),
+        outdated=sum(verdict.is_outdated for verdict in verdicts),
         paired=scores.paired(),
         detection=scores.detection(),
         identification=Identification(
             open=scores.rates["name"],
             open_shown=scores.rates["open_shown"],
             closed=scores.rates["pick"],
-            judged=sum(bool(v.judge) for v in verdicts),
-            unjudged=sum(bool(v.judge_error) for v in verdicts),
+            judged=sum(bool(verdict.judge) for verdict in verdicts),
+            unjudged=sum(bool(verdict.judge_error) for verdict in verdicts),
         ),
         control=scores.control(),
-        actions=dict(Counter(v.action for v in rare if v.action).most_common()),
+        actions=dict(Counter(verdict.action for verdict in rare if verdict.action).most_common()),
         groups=tuple(scores.group(group, mask) for group, mask in study.groups),
         confusions=_confusions(study.items, rare),
     )
@@ -79,13 +79,16 @@ def outcome_of(verdict: Verdict) -> str:
 
 
 def _confusions(items: Items, verdicts: Sequence[Verdict]) -> tuple[Confusion, ...]:
+    """Return the wrong choices with their numbers, most frequent first."""
     pairs = Counter(
-        (items.leaf_of(v.scene_id), v.choice or NOTHING)
-        for v in verdicts
-        if v.choice_is_right is False
+        (items.leaf_of(verdict.scene_id), verdict.choice or NOTHING)
+        for verdict in verdicts
+        if verdict.choice_is_right is False
     )
     ordered = sorted(pairs.items(), key=lambda item: (-item[1], item[0]))
-    return tuple(Confusion(truth=t, chosen=c, count=count) for (t, c), count in ordered)
+    return tuple(
+        Confusion(truth=truth, chosen=chosen, count=count) for (truth, chosen), count in ordered
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,20 +103,20 @@ class _Scores:
     @classmethod
     def of(cls, study: SharedValues, sheet: AnswerColumns, protocol: Protocol) -> Self:
         """Return the scores of the answers in a sheet."""
-        items, scene, twin = study.items, study.items.is_scene, ~study.items.is_scene
+        items, scene, ordinary = study.items, study.items.is_scene, ~study.items.is_scene
         columns = {
             **figures(items, sheet),
-            "specificity": Ratio(1.0 - sheet.called, twin),
+            "specificity": Ratio(1.0 - sheet.called, ordinary),
             "open_shown": Ratio(sheet.open, scene & study.shown & (protocol == "paper")),
             "collision_free": Ratio(sheet.success, scene),
             "decidable": Ratio(sheet.safe, items.is_decidable, is_neutral=sheet.is_neutral),
-            "ordinary_safe": Ratio(sheet.safe, twin, is_neutral=sheet.is_neutral),
+            "ordinary_safe": Ratio(sheet.safe, ordinary, is_neutral=sheet.is_neutral),
             "above_chance": Ratio(
                 sheet.safe - items.chance, items.is_decidable, 1.0 - items.chance
             ),
         }
-        found = resample_ratios(study.resampler, list(columns.values()))
-        replicates = dict(zip(columns, found.T, strict=True))
+        ratios = resample_ratios(study.resampler, list(columns.values()))
+        replicates = dict(zip(columns, ratios.T, strict=True))
         rates = {
             name: rate(study.resampler, column, sheet, replicates[name], is_fault=name in FAULTS)
             for name, column in columns.items()
@@ -171,8 +174,8 @@ class _Scores:
     def control(self) -> ActionScore:
         """Return the figures of task 2."""
         items, sheet, rates = self.study.items, self.sheet, self.rates
-        reach = items.is_decidable & np.isfinite(sheet.safe)
-        chance, decidable = items.chance_over(reach), rates["decidable"]
+        scored = items.is_decidable & np.isfinite(sheet.safe)
+        chance, decidable = items.chance_over(scored), rates["decidable"]
         corrected = None
         if chance is not None and decidable.value is not None:
             corrected = above_chance(decidable.value, chance)
@@ -182,7 +185,7 @@ class _Scores:
             collision_free=rates["collision_free"],
             decidable=decidable,
             chance=chance,
-            above_chance=self._estimate(corrected, decidable.n, replicates, reach),
+            above_chance=self._estimate(corrected, decidable.n, replicates, scored),
             ordinary_safe=rates["ordinary_safe"],
             needless=rates["needless"],
             needless_by_kind=self._faults_by_kind(
@@ -210,17 +213,18 @@ class _Scores:
 
     def _balanced(self) -> Estimate:
         """Return the balanced accuracy over the answers."""
-        found, quiet = self.rates["notice"], self.rates["specificity"]
-        if found.value is None or quiet.value is None:
+        noticed, quiet = self.rates["notice"], self.rates["specificity"]
+        if noticed.value is None or quiet.value is None:
             return Estimate()
+        value, n = (noticed.value + quiet.value) / 2, noticed.n + quiet.n
         replicates = (self.replicates["notice"] + self.replicates["specificity"]) / 2
-        known = np.isfinite(self.sheet.called)
-        return self._estimate((found.value + quiet.value) / 2, found.n + quiet.n, replicates, known)
+        return self._estimate(value, n, replicates, np.isfinite(self.sheet.called))
 
     def _worst_balanced(self) -> Estimate:
         """Return the balanced accuracy with every missing answer counted as wrong."""
-        found, quiet = (self.rates[name].with_missing_wrong for name in ("notice", "specificity"))
-        if found is None or quiet is None:
+        noticed = self.rates["notice"].with_missing_wrong
+        quiet = self.rates["specificity"].with_missing_wrong
+        if noticed is None or quiet is None:
             return Estimate()
         items, sheet = self.study.items, self.sheet
         right = np.nan_to_num(sheet.right("detection", items), nan=0.0)
@@ -228,21 +232,19 @@ class _Scores:
         columns = [Ratio(right, sheet.was_asked & side) for side in sides]
         replicates = resample_ratios(self.study.resampler, columns).mean(axis=1)
         n = int(sheet.was_asked.sum())
-        return self._estimate((found + quiet) / 2, n, replicates, sheet.was_asked)
+        return self._estimate((noticed + quiet) / 2, n, replicates, sheet.was_asked)
 
     def _discriminability(self) -> Estimate:
         """Return d' over the answers."""
-        found, quiet = self.rates["notice"], self.rates["specificity"]
-        if not found.n or not quiet.n:
+        noticed, quiet = self.rates["notice"], self.rates["specificity"]
+        if not noticed.n or not quiet.n:
             return Estimate()
         resampler, is_scene = self.study.resampler, self.study.items.is_scene
         known = np.isfinite(self.sheet.called)
         called = np.where(known, self.sheet.called, 0.0)
         columns = [values * side for side in (is_scene, ~is_scene) for values in (called, known)]
         counts = resampler.weights @ resampler.summed(np.stack(columns, axis=1))
-        distinct, place = np.unique(counts, axis=0, return_inverse=True)
-        replicates = np.array([d_prime(*row) for row in distinct.tolist()], np.float64)[
-            place.ravel()
-        ]
-        value = d_prime(found.hits, found.n, quiet.n - quiet.hits, quiet.n)
-        return self._estimate(value, found.n + quiet.n, replicates, known)
+        distinct, row_of = np.unique(counts, axis=0, return_inverse=True)
+        values = np.array([d_prime(*row) for row in distinct.tolist()], np.float64)
+        value = d_prime(noticed.hits, noticed.n, quiet.n - quiet.hits, quiet.n)
+        return self._estimate(value, noticed.n + quiet.n, values[row_of.ravel()], known)

@@ -6,15 +6,10 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from oodscen._prose import fold, is_refusal
-from oodscen.judging._parsing.reading import (
-    ParsedAnswer,
-    Question,
-    is_placeholder,
-    members,
-    read,
-    words_in,
-)
-from oodscen.judging._parsing.stating import is_against
+from oodscen.judging._parsing.confidence import CONFIDENT, confidence_in, probability
+from oodscen.judging._parsing.members import is_placeholder, members, words_in
+from oodscen.judging._parsing.reading import ParsedAnswer, Question, read
+from oodscen.judging._parsing.reasons import is_against
 from oodscen.judging._parsing.unusable import TWO_ANSWERS, UnusableError
 
 LONGEST_ASPECT = 300
@@ -41,10 +36,10 @@ def read_aspect(text: str) -> ParsedAnswer[Detected]:
     answer = read(text, Question(_detection, _detected_in_prose, _DETECTION, _disowns))
     if answer.value is None or answer.value.beside is None:
         return answer
-    said = "true" if answer.value.is_ood else "false"
+    truth = "true" if answer.value.is_ood else "false"
     aspect = answer.value.beside
     beside = f"beside the aspect {aspect[:80]!r}" if aspect else "without an aspect"
-    return replace(answer, note=f"{answer.note}, which says {said} {beside}")
+    return replace(answer, note=f"{answer.note}, which says {truth} {beside}")
 
 
 def read_named_aspect(text: str) -> ParsedAnswer[str]:
@@ -67,8 +62,6 @@ _NOTHING = re.compile(
     re.IGNORECASE,
 )
 
-# ------------------------------------------------------------------ in an object
-
 _IS_OOD = re.compile(
     r"(?:is)?(?:ood|outofdistribution|outof(?:the)?ordinary|(?:anything|something)?unusual|anomal(?:y"
     r"|ous)|abnormal)|answer"
@@ -80,23 +73,25 @@ _DETECTION = re.compile(f"{_IS_OOD.pattern}|{_ASPECT.pattern}|{_CONFIDENCE.patte
 
 
 def _detection(value: Mapping[str, Any]) -> Detected | None:
-    held = [member for member in members(value, _IS_OOD) if not is_placeholder(member)]
-    if not held:
+    answers = [member for member in members(value, _IS_OOD) if not is_placeholder(member)]
+    if not answers:
         return None
-    truths = {_truth(one) for one in held}
+    truths = {_truth(answer) for answer in answers}
     if len(truths) > 1:
         raise UnusableError(TWO_ANSWERS)
     is_ood = truths.pop()
     if is_ood is None:
-        raise UnusableError(f"{str(held[0])[:80]!r} is neither true nor false")
-    sure = members(value, _CONFIDENCE)
-    said = _words_of_aspect(value)
-    is_odd = names_nothing(said) if is_ood else not (names_nothing(said) or _says_usual(said))
+        raise UnusableError(f"{str(answers[0])[:80]!r} is neither true nor false")
+    words = _words_of_aspect(value)
+    if is_ood and words and not re.search(r"\w", words):
+        raise UnusableError("the aspect is not named")
+    is_beside = names_nothing(words) if is_ood else not _says_usual(words)
+    confidences = members(value, _CONFIDENCE)
     return Detected(
         is_ood,
-        _aspect(said) if is_ood else "",
-        probability(sure[0]) if sure else None,
-        said if is_odd else None,
+        aspect=words if is_ood else "",
+        confidence=probability(confidences[0]) if confidences else None,
+        beside=words if is_beside else None,
     )
 
 
@@ -104,29 +99,25 @@ def _words_of_aspect(value: Mapping[str, Any]) -> str:
     return next((words for member in members(value, _ASPECT) if (words := words_in(member))), "")
 
 
-def _says_usual(said: str) -> bool:
+def _says_usual(aspect: str) -> bool:
     """Return whether words of an aspect name nothing, or call it ordinary."""
-    return not re.search(r"\w", said) or bool(_USUAL.search(fold(said)))
-
-
-def _aspect(said: str) -> str:
-    if said and not re.search(r"\w", said):
-        raise UnusableError("the aspect is not named")
-    return said
+    if names_nothing(aspect) or not re.search(r"\w", aspect):
+        return True
+    return _USUAL.search(fold(aspect)) is not None
 
 
 def _named_aspect(value: Mapping[str, Any]) -> str | None:
-    held = [member for member in members(value, _NAMED) if not is_placeholder(member)]
-    said = {words_in(one) for one in held}
-    if len(said) > 1:
+    names = {words_in(name) for name in members(value, _NAMED) if not is_placeholder(name)}
+    if len(names) > 1:
         raise UnusableError(TWO_ANSWERS)
-    return _name(said.pop()) if said else None
+    return _name_or_nothing(names.pop()) if names else None
 
 
-def _name(said: str) -> str:
-    if said and not re.search(r"\w", said):
+def _name_or_nothing(words: str) -> str:
+    """Return the name of an aspect; empty if the words say that there is none."""
+    if words and not re.search(r"\w", words):
         raise UnusableError("no aspect is named")
-    return "" if names_nothing(said) else said
+    return "" if names_nothing(words) else words
 
 
 def _truth(value: object) -> bool | None:
@@ -139,113 +130,80 @@ def _truth(value: object) -> bool | None:
 
 _TRUTHS = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
 
-# ------------------------------------------------------------------ confidence
-
-
-def probability(value: object) -> float | None:
-    """Return a stated probability in [0, 1]; accepts 0.8, "80 %", 80, "8/10", "50/50" and the words of `_DEGREES`."""
-    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
-        return None
-    said = _BESIDE.sub("", str(value)).strip().casefold()
-    degree = _DEGREES.get(re.sub(r"[\s_-]+", " ", said))
-    if degree is not None:
-        return degree
-    match = _NUMBER.fullmatch(said)
-    if not match:
-        return None
-    number = float(match[1].replace(",", "."))
-    whole = match[3] or (100 if match[2] else None)
-    if whole is None:
-        whole = 100 if 10.0 < number <= 100.0 else 1
-    share = number / float(whole) if float(whole) else -1.0
-    return share if 0.0 <= share <= 1.0 else None
-
-
-_DEGREES = {
-    "50/50": 0.5, "50:50": 0.5, "50 50": 0.5, "fifty fifty": 0.5, "none": 0.5, "unsure": 0.5, "uncertain": 0.5, "not sure": 0.5,
-    "very low": 0.55, "low": 0.6, "fairly low": 0.6, "medium": 0.75, "moderate": 0.75, "fair": 0.75,
-    "fairly high": 0.85, "high": 0.9, "sure": 0.95, "very high": 0.97, "very sure": 0.97, "certain": 1.0,
-}  # fmt: skip
-"""Words for a confidence in a yes or no, as probabilities: only their order counts."""
-_BESIDE = re.compile(
-    r"^\s*(?:about|around|approximately|roughly|~)\s*|\s*\([^()]{1,60}\)\s*\.?$|\.\s*$",
-    re.IGNORECASE,
-)
-"""Matches what may stand beside a number or a word."""
-_NUMBER = re.compile(
-    r"(\d{1,9}(?:\.\d{1,30}|,\d{1,2})?|\.\d{1,30})\s*(?:(%|percent)|(?:/|out of)\s*(\d{1,3}))?"
-)
-_SHARE = r"\d{1,3}(?:\.\d{1,30})? ?(?:%|percent|/ ?10{1,2}\b|out of 10\b)"
-_CONFIDENT = re.compile(
-    rf"(?:confidence|certainty)(?: (?:level|is|of|at|about))* ?[:=]? ?(?P<after>{_SHARE}|\d+(?:[.,]\d+)?(?!\w|[.,]\d))"
-    rf"|\((?P<alone>0?\.\d+|1(?:\.0+)?|{_SHARE})\)|(?P<before>{_SHARE}) (?:sure|certain|confident)",
-    re.IGNORECASE,
-)
-
-
-def _confidence_in(prose: str) -> float | None:
-    """Return the probability that prose states; `None` if it states none, or two."""
-    found = {
-        probability(match["after"] or match["alone"] or match["before"])
-        for match in _CONFIDENT.finditer(prose)
-    }
-    return found.pop() if len(found) == 1 else None
-
-
-# ------------------------------------------------------------------ in prose
-
 
 def _detected_in_prose(prose: str) -> Detected | None:
     """Parse a "yes" or "no" that is marked as the answer, or opens the text with words that agree with it."""
     plain = fold(prose)
     marked = {_TRUTHS[match[1]] for match in _MARKED.finditer(plain)}
     opening = _OPENING.match(plain)
-    said = marked or ({_TRUTHS.get(opening[1], False)} if opening else set())
-    if len(said) > 1:
+    if len(marked) > 1:
         raise UnusableError(TWO_ANSWERS)
-    if not said or _OPEN.search(plain) or (not marked and is_refusal(prose)):
+    if _OPEN.search(plain):
         return None
-    is_ood = said.pop()
-    rest = "" if marked or not opening else plain[opening.end() :]
-    says_usual = bool(_USUAL.search(rest))
-    if (
-        says_usual
-        if is_ood
-        else not says_usual and re.search(r"[^\W\d]{2}", _CONFIDENT.sub("", rest))
-    ):
+    if marked:
+        is_ood = marked.pop()
+        aspect = _aspect_after_mark(prose) if is_ood else ""
+        return Detected(is_ood, aspect, confidence_in(prose))
+    opening = _OPENING.match(plain)
+    if opening is None or is_refusal(prose):
+        return None
+    is_ood = _TRUTHS.get(opening[1], False)
+    if not _goes_with(plain[opening.end() :], is_ood=is_ood):
         raise UnusableError("what follows yes or no does not go with it")
-    aspect = _aspect_in(prose, is_marked=bool(marked)) if is_ood else ""
-    return Detected(is_ood, aspect, _confidence_in(prose))
+    aspect = _aspect_after_yes(prose) if is_ood else ""
+    return Detected(is_ood, aspect, confidence_in(prose))
 
 
-def _aspect_in(prose: str, *, is_marked: bool) -> str:
-    named = _labelled(prose)
-    if named is None:
-        named = _CONFIDENT.sub(
-            "", prose if is_marked else re.sub(r"\A\W*\w+\W*", "", prose, count=1)
-        )
-        if len(named) > LONGEST_ASPECT or re.search(r"\w[.!?;] +\w", named):
-            raise UnusableError("the aspect is not named")
-        named = "" if is_marked else named.strip(" \n.,:;!()\u2014\u2013-")
-    return "" if names_nothing(named) else named
+def _goes_with(rest: str, *, is_ood: bool) -> bool:
+    """Return whether the words after an opening "yes" or "no" go with it."""
+    says_usual = _USUAL.search(rest) is not None
+    if is_ood:
+        return not says_usual
+    return says_usual or not re.search(r"[^\W\d]{2}", CONFIDENT.sub("", rest))
+
+
+def _aspect_after_mark(prose: str) -> str:
+    """Return the labelled aspect beside a marked answer; empty if there is none."""
+    aspect = _labelled(prose)
+    if aspect is None:
+        _check_short(CONFIDENT.sub("", prose))
+        return ""
+    return "" if names_nothing(aspect) else aspect
+
+
+def _aspect_after_yes(prose: str) -> str:
+    """Return the aspect that is labelled, or that all words after an opening "yes" name."""
+    aspect = _labelled(prose)
+    if aspect is None:
+        rest = CONFIDENT.sub("", re.sub(r"\A\W*\w+\W*", "", prose, count=1))
+        _check_short(rest)
+        aspect = rest.strip(" \n.,:;!()\u2014\u2013-")
+    return "" if names_nothing(aspect) else aspect
+
+
+def _check_short(prose: str) -> None:
+    """Refuse prose that is too long to name an aspect, or has several sentences."""
+    if len(prose) > LONGEST_ASPECT or re.search(r"\w[.!?;] +\w", prose):
+        raise UnusableError("the aspect is not named")
 
 
 def _named_in_prose(prose: str) -> str | None:
-    named = _labelled(prose)
-    if named is not None:
-        return _name(named)
+    labelled = _labelled(prose)
+    if labelled is not None:
+        return _name_or_nothing(labelled)
     plain = fold(prose)
     is_short = 0 < len(plain.split()) <= 20 and len(re.findall(r"[.!?](?:\s|$)", plain)) <= 1
     if not is_short or is_refusal(prose) or _OPEN.search(plain) or plain.endswith(("?", ":")):
         return None
-    return _name(_LEAD.sub("", prose).strip(" \n.")) if re.search(r"\w", plain) else None
+    return _name_or_nothing(_LEAD.sub("", prose).strip(" \n.")) if re.search(r"\w", plain) else None
 
 
 def _labelled(prose: str) -> str | None:
-    found = {match[1].strip(" .'") for match in _LABELLED.finditer(prose)}
-    if len(found) > 1:
+    """Return what follows the label "aspect"; `None` without the label."""
+    aspects = {match[1].strip(" .'") for match in _LABELLED.finditer(prose)}
+    if len(aspects) > 1:
         raise UnusableError(TWO_ANSWERS)
-    return found.pop() if found else None
+    return aspects.pop() if aspects else None
 
 
 _LABELLED = re.compile(r"\baspect ?[:=] ?([^\n]*\w[^\n]*)", re.IGNORECASE)

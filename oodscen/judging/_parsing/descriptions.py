@@ -5,14 +5,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from oodscen._prose import fold, is_refusal
-from oodscen.judging._parsing.reading import (
-    ParsedAnswer,
-    Question,
-    is_placeholder,
-    members,
-    read,
-    words_in,
-)
+from oodscen.judging._parsing.members import is_placeholder, members, words_in
+from oodscen.judging._parsing.reading import ParsedAnswer, Question, read
 from oodscen.judging._parsing.unusable import UnusableError
 
 _DESCRIPTION = re.compile(r"(?:\w*description|answer|text|summary|caption)")
@@ -20,6 +14,7 @@ _ANY = re.compile(r".*")
 """Any member may describe the frame."""
 _LONGEST_REFUSAL = 300
 """The longest prose that counts as a refusal, in characters; longer prose is a description."""
+_FEWEST_LETTERS = 4
 
 
 def read_description(text: str) -> ParsedAnswer[str]:
@@ -28,11 +23,9 @@ def read_description(text: str) -> ParsedAnswer[str]:
 
 
 def _in_object(value: Mapping[str, Any]) -> str | None:
-    held = members(value, _DESCRIPTION)
-    said = words_in(held[0] if held else dict(value))
-    if is_placeholder(said):
-        return None
-    return _usable(said)
+    descriptions = members(value, _DESCRIPTION)
+    words = words_in(descriptions[0] if descriptions else dict(value))
+    return None if is_placeholder(words) else _usable(words)
 
 
 def _in_prose(prose: str) -> str:
@@ -41,7 +34,8 @@ def _in_prose(prose: str) -> str:
     return _usable(re.sub(r"\A\W*description\s*:\s*", "", prose, flags=re.IGNORECASE))
 
 
-def _usable(said: str) -> str:
-    if sum(char.isalpha() for char in fold(said)) < 4:
+def _usable(words: str) -> str:
+    """Return words that can describe a frame; refuse those with hardly a letter."""
+    if sum(char.isalpha() for char in fold(words)) < _FEWEST_LETTERS:
         raise UnusableError("no description")
-    return said
+    return words

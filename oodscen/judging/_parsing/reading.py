@@ -14,6 +14,7 @@ from typing import Any, Generic, Literal, TypeVar
 from oodscen._arguments import instance_of
 from oodscen._prose import after_reasoning, fold, is_refusal, tidy
 from oodscen._text import clean_surrogates
+from oodscen.judging._parsing.members import CONFIDENCE, REASON, spelt, unwrap, words_in
 from oodscen.judging._parsing.unusable import LONGEST, TWO_ANSWERS, UnusableError
 from oodscen.llm._json_objects import scan
 from oodscen.llm._reading import EMPTY, UNSPOKEN
@@ -53,11 +54,11 @@ class Question(Generic[Value]):
         Raises:
             UnusableError: If it has a member that was not asked for, or reasons against its own answer.
         """
-        held, reasons = unwrap(value, self.members)
-        found = self.pick(held)
-        if found is not None and self.denies and self.denies(tidy(reasons), found):
+        requested, reasons = unwrap(value, self.members)
+        answer = self.pick(requested)
+        if answer is not None and self.denies and self.denies(tidy(reasons), answer):
             raise UnusableError("its reasons are against the answer")
-        return found
+        return answer
 
 
 def read(text: str, question: Question[Value]) -> ParsedAnswer[Value]:
@@ -73,16 +74,16 @@ def read(text: str, question: Question[Value]) -> ParsedAnswer[Value]:
         )
     note = "no answer is named plainly"
     try:
-        said = spoken_json(text)
-        if not said.strip():
+        spoken = spoken_text(text)
+        if not spoken.strip():
             note = (UNSPOKEN if text.strip() else EMPTY).message
-        found = _only_object(said)
-        if found is not None:
-            value = question.answer_in(found)
+        answer = _only_object(spoken)
+        if answer is not None:
+            value = question.answer_in(answer)
             if value is not None:
                 return ParsedAnswer(value, "answered", "JSON")
         else:
-            prose = tidy(said)
+            prose = tidy(spoken)
             lines = _labelled(prose, question.members) if question.has_labels else None
             value = question.answer_in(lines) if lines else question.prose(prose)
             if value is not None:
@@ -94,40 +95,37 @@ def read(text: str, question: Question[Value]) -> ParsedAnswer[Value]:
     return ParsedAnswer(None, "unparsed", note)
 
 
-# ------------------------------------------------------------------ the object and the words around it
-
-
-def spoken_json(text: str) -> str:
+def spoken_text(text: str) -> str:
     """Return the text after the reasoning, unwrapped if all of it is one JSON string."""
-    said = clean_surrogates(text).strip()
-    if said.startswith('"'):
+    spoken = clean_surrogates(text).strip()
+    if spoken.startswith('"'):
         try:
-            inner = json.loads(said, strict=False)
+            inner = json.loads(spoken, strict=False)
         except (ValueError, RecursionError):
             inner = None
-        said = inner if isinstance(inner, str) else said
-    said = after_reasoning(said)
-    return said if '"' in said else re.sub("[\u201c\u201d]", '"', said)
+        spoken = inner if isinstance(inner, str) else spoken
+    spoken = after_reasoning(spoken)
+    return spoken if '"' in spoken else re.sub("[\u201c\u201d]", '"', spoken)
 
 
-def _only_object(said: str) -> dict[str, Any] | None:
+def _only_object(spoken: str) -> dict[str, Any] | None:
     """Return the object that a text consists of; `None` if it holds none."""
-    found, broken_off = scan(said)
+    objects, broken_off = scan(spoken)
     if broken_off is not None:
         raise UnusableError("the answer is cut off before its end")
-    if not found:
+    if not objects:
         return None
-    if len(found) > 1:
-        raise UnusableError(f"it has {len(found)} JSON objects")
-    (one,) = found
-    if one.is_altered or one.has_comments:
+    if len(objects) > 1:
+        raise UnusableError(f"it has {len(objects)} JSON objects")
+    (only,) = objects
+    if only.is_altered or only.has_comments:
         raise UnusableError("the JSON object has faults")
-    before, after = said[: one.start], said[one.start + one.width :]
+    before, after = spoken[: only.start], spoken[only.start + only.width :]
     lead = fold(tidy(_OPENS.sub("", before)))
     end = fold(tidy(_CLOSES.sub("", after)))
     if not (_LEAD.fullmatch(lead) and _COURTESY.fullmatch(end)):
         raise UnusableError("other words stand around the JSON object")
-    return one.value
+    return only.value
 
 
 _ELEMENTS = r"(?:answer|final_answer|action|choice|response|output|result|json)"
@@ -152,13 +150,14 @@ _COURTESY = re.compile(
 """Matches the phrases, in folded prose, that may follow an object."""
 
 
-def _labelled(prose: str, asked: re.Pattern[str]) -> dict[str, Any] | None:
+def _labelled(prose: str, requested: re.Pattern[str]) -> dict[str, Any] | None:
     """Return tidied prose as an object if its first line has the label of a member; other lines go on with theirs."""
+    known_names = (requested, REASON, CONFIDENCE)
     members: dict[str, str] = {}
     name = ""
     for line in _NEXT.sub("\n", prose).split("\n"):
         label = _LABEL.fullmatch(line)
-        if label and any(one.fullmatch(spelt(label[1])) for one in (asked, _REASON, _CONFIDENCE)):
+        if label and any(pattern.fullmatch(spelt(label[1])) for pattern in known_names):
             name = spelt(label[1])
             if name in members:
                 raise UnusableError(TWO_ANSWERS)
@@ -167,110 +166,22 @@ def _labelled(prose: str, asked: re.Pattern[str]) -> dict[str, Any] | None:
             members[name] = f"{members[name]}\n{line}".strip()
         else:
             return None
-    if not any(asked.fullmatch(name) for name in members):
+    if not any(requested.fullmatch(name) for name in members):
         return None
-    return {name: said.strip(" .") for name, said in members.items()}
+    return {name: words.strip(" .") for name, words in members.items()}
 
 
 _NEXT = re.compile(r"[.,;] (?=\w+ ?[:=] ?\w)")
 _LABEL = re.compile(r"(?:[-\u2022] |#{1,6} )?([\w ]{2,40}?) ?[:=] ?(.*)")
 
-# ------------------------------------------------------------------ members
-
-
-def unwrap(
-    value: Mapping[str, Any], asked: re.Pattern[str], depth: int = 4
-) -> tuple[dict[str, Any], str]:
-    """Return the requested members of an object, or of the one that it wraps, and the reasons beside them.
-
-    Raises:
-        UnusableError: If it has other members, or one of them twice.
-    """
-    if getattr(value, "repeated", ()):
-        raise UnusableError(TWO_ANSWERS)
-    rest: dict[str, Any] = {}
-    reasons: list[str] = []
-    for name, one in value.items():
-        if asked.fullmatch(spelt(name)) or _WRAPPERS.fullmatch(spelt(name)):
-            rest[name] = one
-        elif _is_reason(name, one):
-            reasons += _texts(one)
-        elif _REASON.fullmatch(spelt(name)):
-            raise UnusableError(f"{name[:40]!r} is no text")
-        elif not _is_confidence(name, one):
-            raise UnusableError(f"nobody asked for {name[:40]!r}")
-    inner = next(iter(rest.values())) if len(rest) == 1 else None
-    if isinstance(inner, dict) and depth and all(_WRAPPERS.fullmatch(spelt(name)) for name in rest):
-        held, within = unwrap(inner, asked, depth - 1)
-        return held, "\n".join([*reasons, within])
-    for name in rest:
-        if not asked.fullmatch(spelt(name)):
-            raise UnusableError(f"nobody asked for {name[:40]!r}")
-    return rest, "\n".join(reasons)
-
-
-_WRAPPERS = re.compile(
-    r"(?=.)(?:final|json|data|arguments)?(?:answer|response|result|output|assessment)?"
-)
-_REASON = re.compile(
-    r"(?:stepbystep|chainof)?(?:reason(?:s|ing)?|rationale|thoughts?|thinking|analysis|explanation"
-    r"|justification|descriptions?|observations?|why)"
-)
-"""Matches the members that give reasons, in which other options may be weighed."""
-_CONFIDENCE = re.compile(r"confidence|certainty|probability")
-_SURE = re.compile(r"(?:\d+(?:\.\d+)? ?%?|(?:very )?(?:high|low)|medium|moderate)", re.IGNORECASE)
-
-
-def _is_reason(name: str, value: Any) -> bool:
-    return bool(_REASON.fullmatch(spelt(name))) and (value in (None, "", []) or bool(_texts(value)))
-
-
-def _is_confidence(name: str, value: Any) -> bool:
-    return bool(
-        _CONFIDENCE.fullmatch(spelt(name))
-        and (value is None or _SURE.fullmatch(str(value).strip()))
-    )
-
-
-def _texts(value: Any) -> list[str]:
-    """Return a text, or the texts of a list of nothing else, as a list; else an empty one."""
-    texts = value if isinstance(value, list) else [value]
-    return list(texts) if all(isinstance(text, str) for text in texts) else []
-
-
-def spelt(name: str) -> str:
-    """Return the name of a member in a canonical spelling; one with other marks than spaces and hyphens is kept."""
-    is_plain = re.fullmatch(r"\s*\w[\w\s-]*", name)
-    return re.sub(r"[\s_-]+", "", name).casefold() if is_plain else name
-
-
-def members(value: Mapping[str, Any], names: re.Pattern[str]) -> list[Any]:
-    """Return the values of the members whose names match."""
-    return [one for name, one in value.items() if names.fullmatch(spelt(name))]
-
-
-def is_placeholder(value: object) -> bool:
-    """Return whether a value is a placeholder from the question's example, such as `"..."`."""
-    return isinstance(value, str) and bool(re.fullmatch(r"\s*(?:\.\.\.|\u2026|<[^<>]*>)\s*", value))
-
-
-def words_in(value: object, depth: int = 3) -> str:
-    """Return the words in a value, whatever its structure."""
-    if isinstance(value, str):
-        return value.strip()
-    inner = list(value.values()) if isinstance(value, dict) else value
-    if not isinstance(inner, (list, tuple)) or not depth:
-        return ""
-    return "; ".join(filter(None, (words_in(one, depth - 1) for one in inner)))
-
 
 def reasoning_in(text: str) -> str:
-    """Return the reasons given with an answer: that member of its JSON, else the whole text."""
+    """Return the reasons given with an answer: that member of its last JSON object, else the whole text."""
     if len(text) > LONGEST:
         return ""
-    said = spoken_json(text)
-    for one in reversed(scan(said)[0]):
-        return "; ".join(
-            words_in(one.value[name]) for name in one.value if spelt(name) == "reasoning"
-        )
-    return said
+    spoken = spoken_text(text)
+    objects, _ = scan(spoken)
+    if not objects:
+        return spoken
+    members = objects[-1].value
+    return "; ".join(words_in(members[name]) for name in members if spelt(name) == "reasoning")

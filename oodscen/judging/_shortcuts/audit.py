@@ -1,6 +1,6 @@
 """The audit: how well every known shortcut separates rare from ordinary drives without understanding them."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -11,10 +11,12 @@ from oodscen.data._episode import Episode
 from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
-from oodscen.errors import MissingExtra, StudyError
-from oodscen.judging._items import Items, Mask, Ratio
+from oodscen.errors import StudyError
+from oodscen.judging._items import Items, Mask, Ratio, last_by
+from oodscen.judging._leaderboard.figures import resample_ratios
 from oodscen.judging._leaderboard.rows import Estimate
 from oodscen.judging._shortcuts import facts
+from oodscen.judging._shortcuts.learners import Learners
 from oodscen.judging._shortcuts.rules import Guess, folds_of, is_audited
 from oodscen.statistics._auroc import auroc_of_items
 from oodscen.statistics._intervals import Floats, percentiles
@@ -65,8 +67,7 @@ class Audit(Data):
 
     def __str__(self) -> str:
         drives = ", ".join(f"{count} {kind}s" for kind, count in self.ordinary.items())
-        head = ("shortcut", "needs", "method", "AUROC", "balanced accuracy")
-        cells = [head]
+        cells = [("shortcut", "needs", "method", "AUROC", "balanced accuracy")]
         cells += [
             (
                 row.name,
@@ -77,32 +78,30 @@ class Audit(Data):
             )
             for row in self.rows
         ]
-        widths = [max(len(row[at]) for row in cells) for at in range(len(head))]
-        lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in cells]
-        return "\n".join(
-            [
-                f"{self.scenes} scenes and {drives} of {self.paths} paths; learnt on other paths",
-                *lines,
-                f"floor to beat: {self.best}",
-            ]
-        )
+        widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+        lines = [
+            f"{self.scenes} scenes and {drives} of {self.paths} paths; learnt on other paths",
+            *("  ".join(map(str.ljust, row, widths)).rstrip() for row in cells),
+            f"floor to beat: {self.best}",
+        ]
+        return "\n".join(lines)
 
 
-def _cell(found: Estimate, form: str) -> str:
-    if found.value is None:
+def _cell(figure: Estimate, form: str) -> str:
+    if figure.value is None:
         return "-"
-    ends = found.interval
+    ends = figure.interval
     between = f" [{ends.low:{form}}, {ends.high:{form}}]" if ends else ""
-    return f"{found.value:{form}}{between}"
+    return f"{figure.value:{form}}{between}"
 
 
 def source(episodes: Iterable[Episode]) -> str:
-    """Return the digest of the episodes that an audit depends on: those that are judged."""
-    found = list(episodes)
-    unseen = {episode.scene_id for episode in found if episode.is_below_floor}
+    """Return the digest of the episodes that an audit depends on: those that are judged, the last of every item."""
+    latest = last_by(episodes, lambda episode: episode.scene_id)
+    unseen = {episode.scene_id for episode in latest if episode.is_below_floor}
     rows = sorted(
         (episode.id, episode.status, episode.trace_sha256, episode.made_from)
-        for episode in found
+        for episode in latest
         if scene_of(episode.scene_id) not in unseen
     )
     return digest(rows)
@@ -124,27 +123,27 @@ def audit(
         StudyError: If fewer than two paths have a scene with an ordinary drive.
         MissingExtra: If scikit-learn or OpenCV is not installed.
     """
-    items = Items.of(list(episodes), {scenario.id: scenario for scenario in scenarios})
-    there = is_audited(items)
-    rows: list[int] = np.flatnonzero(there).tolist()
+    items = Items.of(episodes, {scenario.id: scenario for scenario in scenarios})
+    rows: list[int] = np.flatnonzero(is_audited(items)).tolist()
     clusters = [items.clusters[row] for row in rows]
     if len(set(clusters)) < 2:
         raise StudyError("an audit needs scenes with ordinary drives on two paths")
     ran = [items.episodes[row] for row in rows]
-    task = _Task(items.is_scene[there], folds_of(clusters), seed)
-    shortcuts = list(_shortcuts(task, ran, {scene.id: scene for scene in scenes}, folder))
+    is_rare = items.is_scene[rows]
+    learners = Learners(is_rare, folds_of(clusters), seed)
+    shortcuts = list(_shortcuts(learners, ran, {scene.id: scene for scene in scenes}, folder))
     resampler = Resampler(clusters, seed=seed)
     kinds = np.array([items.kinds[row] for row in rows])
-    table = [_score(shortcut, task.is_rare, kinds, resampler) for shortcut in shortcuts]
+    table = [_score(shortcut, is_rare, kinds, resampler) for shortcut in shortcuts]
     best = max(
         (shortcut.guess for shortcut in shortcuts if shortcut.needs in _FLOOR),
-        key=lambda guess: guess.balanced(task.is_rare),
+        key=lambda guess: guess.balanced(is_rare),
     )
-    place = {row: at for at, row in enumerate(rows)}
-    owners = np.array([place.get(owner, -1) for owner in items.owners[there].tolist()])
+    index_of = {row: index for index, row in enumerate(rows)}
+    owners = np.array([index_of.get(owner, -1) for owner in items.owners[rows].tolist()])
     table.append(_pairs(ran, owners, folder, resampler))
     return Audit(
-        scenes=int(task.is_rare.sum()),
+        scenes=int(is_rare.sum()),
         ordinary={
             kind: int((kinds == kind).sum()) for kind in sorted(set(kinds.tolist()) - {"rare"})
         },
@@ -157,7 +156,7 @@ def audit(
 
 
 def _rank(row: ShortcutScore) -> tuple[bool, bool, float]:
-    """Return the place of a row: outcomes last, exact places before them, the others best first."""
+    """Return the sort key of a row: outcomes last, exact places before them, the others best first."""
     return (
         row.needs == "outcomes",
         row.needs == "exact places",
@@ -166,103 +165,50 @@ def _rank(row: ShortcutScore) -> tuple[bool, bool, float]:
 
 
 class _Shortcut(NamedTuple):
+    """One shortcut with its calls."""
+
     guess: Guess
     needs: Needs
     method: str
 
 
 def _shortcuts(
-    task: "_Task", ran: Sequence[Episode], scenes: Mapping[str, Scene], folder: Path
+    learners: Learners, ran: Sequence[Episode], scenes: Mapping[str, Scene], folder: Path
 ) -> Iterator[_Shortcut]:
-    """Return every shortcut with its calls."""
-    yield from _on_bodies(task, ran)
+    """Yield every shortcut with its calls."""
+    yield from _on_bodies(learners, ran)
     for name, columns in facts.settings(ran, scenes).items():
-        yield _Shortcut(task.linear(name, columns), "settings", "logistic regression")
+        yield _Shortcut(learners.linear(name, columns), "settings", "logistic regression")
     for moment in ("last", "first"):
-        yield from _on_pictures(task, ran, folder, moment)
+        yield from _on_pictures(learners, ran, folder, moment)
 
 
-def _on_bodies(task: "_Task", ran: Sequence[Episode]) -> Iterator[_Shortcut]:
-    known = facts.ground_truth(ran)
-    for name, values in known.items():
-        yield _Shortcut(task.rule(name, values), "ground truth", "rule")
-    name, together = "distances, counts and pixels together", np.stack(list(known.values()), axis=1)
-    yield _Shortcut(task.boosted(name, together), "ground truth", "gradient boosting")
+def _on_bodies(learners: Learners, ran: Sequence[Episode]) -> Iterator[_Shortcut]:
+    columns = facts.ground_truth(ran)
+    for name, values in columns.items():
+        yield _Shortcut(learners.rule(name, values), "ground truth", "rule")
+    name = "distances, counts and pixels together"
+    together = np.stack(list(columns.values()), axis=1)
+    yield _Shortcut(learners.boosted(name, together), "ground truth", "gradient boosting")
     name = "exact places of the nearest bodies"
     places = np.array([facts.nearest_places(episode.sketch) for episode in ran], np.float64)
-    yield _Shortcut(task.boosted(name, places), "exact places", "gradient boosting")
+    yield _Shortcut(learners.boosted(name, places), "exact places", "gradient boosting")
     fails = np.array([facts.keeping_fails(episode) for episode in ran], np.float64)
-    yield _Shortcut(task.rule("keeping the speed fails", fails), "outcomes", "rule")
+    yield _Shortcut(learners.rule("keeping the speed fails", fails), "outcomes", "rule")
 
 
 def _on_pictures(
-    task: "_Task", ran: Sequence[Episode], folder: Path, moment: str
+    learners: Learners, ran: Sequence[Episode], folder: Path, moment: str
 ) -> Iterator[_Shortcut]:
     files = [folder / episode.frames.get(moment, "missing") for episode in ran]
     for name, columns in facts.pictures(files).items():
         label = f"{name}, {moment} frame"
         if columns.shape[1] == 1:
-            yield _Shortcut(task.rule(label, columns[:, 0]), "pictures", "rule")
+            yield _Shortcut(learners.rule(label, columns[:, 0]), "pictures", "rule")
             continue
-        yield _Shortcut(task.boosted(label, columns), "pictures", "gradient boosting")
+        yield _Shortcut(learners.boosted(label, columns), "pictures", "gradient boosting")
         if moment == "last":
-            yield _Shortcut(task.linear(label, columns), "pictures", "logistic regression")
-
-
-class _Task:
-    """Telling rare from ordinary, learnt on other paths."""
-
-    def __init__(self, is_rare: Mask, folds: Floats, seed: int) -> None:
-        self.is_rare, self._folds, self._seed = is_rare, folds, seed
-
-    def rule(self, name: str, values: Floats) -> Guess:
-        """Return the calls of a threshold on one number."""
-        return Guess.of(name, values, self.is_rare, self._folds)
-
-    def boosted(self, name: str, columns: Floats) -> Guess:
-        """Return the calls of gradient-boosted trees."""
-        sklearn = _sklearn()
-        return self._learnt(
-            f"{name}, boosting",
-            columns,
-            lambda: sklearn.ensemble.HistGradientBoostingClassifier(
-                random_state=self._seed, max_leaf_nodes=16, class_weight="balanced"
-            ),
-        )
-
-    def linear(self, name: str, columns: Floats) -> Guess:
-        """Return the calls of a logistic regression on standardised columns."""
-        sklearn = _sklearn()
-        return self._learnt(
-            f"{name}, logistic",
-            columns,
-            lambda: sklearn.pipeline.make_pipeline(
-                sklearn.preprocessing.StandardScaler(),
-                sklearn.linear_model.LogisticRegression(
-                    C=0.01, max_iter=1_000, class_weight="balanced"
-                ),
-            ),
-        )
-
-    def _learnt(self, name: str, columns: Floats, make: Callable[[], Any]) -> Guess:
-        score = np.full(len(columns), 0.5)
-        for fold in np.unique(self._folds):
-            test = self._folds == fold
-            if columns.shape[1] and len(set(self.is_rare[~test].tolist())) == 2:
-                model = make().fit(columns[~test], self.is_rare[~test])
-                score[test] = model.predict_proba(columns[test])[:, 1]
-        return Guess(name, score, score > 0.5)
-
-
-def _sklearn() -> Any:
-    try:
-        import sklearn.ensemble
-        import sklearn.linear_model
-        import sklearn.pipeline
-        import sklearn.preprocessing
-    except ImportError:
-        raise MissingExtra("the audit", "audit", "scikit-learn") from None
-    return sklearn
+            yield _Shortcut(learners.linear(label, columns), "pictures", "logistic regression")
 
 
 def _score(
@@ -272,10 +218,7 @@ def _score(
     area = auroc_of_items(guess.score, is_rare, resampler)
     calls: Floats = guess.is_called.astype(np.float64)
     sides = [Ratio(calls, is_rare), Ratio(1.0 - calls, ~is_rare)]
-    above, below = (
-        np.stack([getattr(side, name) for side in sides], axis=1) for name in ("above", "below")
-    )
-    spread = resampler.ratios(above, below).mean(axis=1)
+    replicates = resample_ratios(resampler, sides).mean(axis=1)
     return ShortcutScore(
         name=guess.name,
         needs=shortcut.needs,
@@ -288,7 +231,7 @@ def _score(
         balanced_accuracy=Estimate(
             value=guess.balanced(is_rare),
             n=len(calls),
-            interval=percentiles(spread, resampler.units),
+            interval=percentiles(replicates, resampler.units),
         ),
         called_by_kind={
             kind: float(calls[kinds == kind].mean())
@@ -302,16 +245,13 @@ def _pairs(
 ) -> ShortcutScore:
     """Return the share of ordinary drives whose scene has the larger picture file; equal sizes count half.
 
-    `owners` [n] are the places of the drives' scenes, -1 for scenes.
+    `owners` [n] are the rows of the drives' scenes, -1 for scenes.
     """
     files = [folder / episode.frames.get("last", "missing") for episode in ran]
     sizes = np.array([file.stat().st_size if file.is_file() else 0.0 for file in files])
-    has = owners >= 0
-    wins: Floats = np.where(has, np.sign(sizes[owners] - sizes) * 0.5 + 0.5, np.nan).astype(
-        np.float64
-    )
-    column = Ratio(wins, has)
-    spread = resampler.ratios(column.above[:, None], column.below[:, None])[:, 0]
+    is_drive = owners >= 0
+    wins = np.where(is_drive, np.sign(sizes[owners] - sizes) * 0.5 + 0.5, np.nan)
+    replicates = resample_ratios(resampler, [Ratio(wins, is_drive)])[:, 0]
     return ShortcutScore(
         name="the larger JPEG file of a pair is the rare one",
         needs="pictures",
@@ -319,7 +259,7 @@ def _pairs(
         auroc=Estimate(),
         balanced_accuracy=Estimate(
             value=float(np.nanmean(wins)),
-            n=int(has.sum()),
-            interval=percentiles(spread, resampler.units),
+            n=int(is_drive.sum()),
+            interval=percentiles(replicates, resampler.units),
         ),
     )

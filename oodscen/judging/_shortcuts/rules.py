@@ -35,9 +35,9 @@ class Guess:
         score, called = np.zeros(len(values)), np.zeros(len(values), np.bool_)
         for fold in np.unique(folds):
             test = folds == fold
-            sign, bar = _learnt(values[~test], is_rare[~test])
+            sign, threshold = _best_threshold(values[~test], is_rare[~test])
             score[test] = sign * values[test]
-            called[test] = sign * values[test] >= bar
+            called[test] = sign * values[test] >= threshold
         return cls(name, score, called)
 
     def balanced(self, is_rare: Mask) -> float:
@@ -50,36 +50,38 @@ class Guess:
         return dict(zip(names, self.is_called.tolist(), strict=True))
 
 
-def _learnt(values: Floats, is_rare: Mask) -> tuple[float, float]:
+def _best_threshold(values: Floats, is_rare: Mask) -> tuple[float, float]:
     """Return the direction and the threshold with the best balanced accuracy."""
     if not is_rare.any() or is_rare.all():
         return 1.0, np.inf
-    found = []
+    rules = []
+    shares = np.linspace(0, 1, _THRESHOLDS + 1)
     for sign in (1.0, -1.0):
         signed = sign * values
-        bars = np.unique(np.quantile(signed, np.linspace(0, 1, _THRESHOLDS + 1), method="nearest"))
-        rare = (signed[is_rare][:, None] >= bars).mean(axis=0)
-        usual = (signed[~is_rare][:, None] >= bars).mean(axis=0)
-        best = int(np.argmax(rare - usual))
-        found.append((float((rare - usual)[best]), sign, float(bars[best])))
-    _, sign, bar = max(found)
-    return sign, bar
+        thresholds = np.unique(np.quantile(signed, shares, method="nearest"))
+        called_rare = (signed[is_rare][:, None] >= thresholds).mean(axis=0)
+        called_ordinary = (signed[~is_rare][:, None] >= thresholds).mean(axis=0)
+        gain = called_rare - called_ordinary
+        best = int(np.argmax(gain))
+        rules.append((float(gain[best]), sign, float(thresholds[best])))
+    _, sign, threshold = max(rules)
+    return sign, threshold
 
 
 def folds_of(clusters: Sequence[str]) -> Floats:
     """Return the fold of every item: whole paths, whatever the order of the items."""
-    place = {label: index for index, label in enumerate(sorted(set(clusters)))}
-    return np.array([place[label] % FOLDS for label in clusters], np.float64)
+    number_of = {path: number for number, path in enumerate(sorted(set(clusters)))}
+    return np.array([number_of[path] % FOLDS for path in clusters], np.float64)
 
 
 def is_audited(items: Items) -> Mask:
     """Return [n] the items of scenes whose hazard can be named, and that have an ordinary drive."""
-    scene = np.where(items.owners >= 0, items.owners, np.arange(len(items.episodes)))
-    paired = np.zeros(len(items.episodes), np.bool_)
-    paired[items.owners[items.owners >= 0]] = True
-    named = np.array([not episode.is_below_floor for episode in items.episodes], np.bool_)
-    is_known = items.is_scene | (items.owners >= 0)
-    return is_known & paired[scene] & named[scene] if len(scene) else is_known
+    has_scene = items.owners >= 0
+    scene = np.where(has_scene, items.owners, np.arange(len(items.episodes)))
+    has_drive = np.zeros(len(items.episodes), np.bool_)
+    has_drive[items.owners[has_scene]] = True
+    is_named = np.array([not episode.is_below_floor for episode in items.episodes], np.bool_)
+    return (items.is_scene | has_scene) & has_drive[scene] & is_named[scene]
 
 
 def rule_calls(items: Items) -> Calls | None:
@@ -89,10 +91,10 @@ def rule_calls(items: Items) -> Calls | None:
     if len(set(clusters)) < 2:
         return None
     episodes = [items.episodes[row] for row in rows]
-    rare, folds = items.is_scene[rows], folds_of(clusters)
+    is_rare, folds = items.is_scene[rows], folds_of(clusters)
     facts = ground_truth(episodes)
-    guesses = [Guess.of(name, values, rare, folds) for name, values in facts.items()]
-    best = max(guesses, key=lambda guess: guess.balanced(rare))
+    guesses = [Guess.of(name, values, is_rare, folds) for name, values in facts.items()]
+    best = max(guesses, key=lambda guess: guess.balanced(is_rare))
     return best.name, best.calls(episodes)
 
 

@@ -5,8 +5,8 @@ the same classes the colours of the light theme.
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
-from itertools import groupby
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import count, groupby
 from typing import TYPE_CHECKING, Any
 from xml.etree.ElementTree import Element, SubElement, tostring
 
@@ -90,9 +90,9 @@ class Canvas:
 
     def text(self, kind: str, x: float, y: float, words: object, title: str = "") -> Element:
         """Write words and return their element; classes `middle` and `end` place them before x."""
-        found = self._add("text", kind, title, x=x, y=y)
-        found.text = str(words)
-        return found
+        element = self._add("text", kind, title, x=x, y=y)
+        element.text = str(words)
+        return element
 
     def row(self, y: float, left: float, right: float, label: object) -> None:
         """Draw a line of the grid with its label on the left."""
@@ -106,8 +106,8 @@ class Canvas:
 
     def legend(self, entries: Sequence[tuple[str, str]], top: float) -> None:
         """Draw classes and names of sets, three in a row; see `legend_height`."""
-        for place, (kind, label) in enumerate(entries):
-            x, y = 10 + 155 * (place % 3), top + 18 * (place // 3)
+        for index, (kind, label) in enumerate(entries):
+            x, y = 10 + 155 * (index % 3), top + 18 * (index // 3)
             self.circle(kind, x, y - 4, 5)
             self.text("tick", x + 10, y, label)
 
@@ -142,22 +142,22 @@ class Canvas:
             name: value if isinstance(value, str) else px(value)
             for name, value in attributes.items()
         }
-        found = SubElement(self._root, tag, {"class": kind, **written})
+        element = SubElement(self._root, tag, {"class": kind, **written})
         if title:
-            SubElement(found, "title").text = title
-        return found
+            SubElement(element, "title").text = title
+        return element
 
 
 def _styled(element: Element, table: dict[str, dict[str, Any]], points: float) -> dict[str, Any]:
     """Return matplotlib's arguments for the classes of an element; `points` is the size of one unit."""
-    found: dict[str, Any] = {}
+    style: dict[str, Any] = {}
     for name in element.attrib["class"].split():
-        found |= table.get(name, {})
+        style |= table.get(name, {})
         if name.startswith("set-"):
-            found["color"] = _SETS[int(name[4:])]
-    if "linewidth" in found:
-        found["linewidth"] *= points
-    return found
+            style["color"] = _SETS[int(name.removeprefix("set-"))]
+    if "linewidth" in style:
+        style["linewidth"] *= points
+    return style
 
 
 def _numbers(element: Element, *names: str) -> list[float]:
@@ -211,9 +211,10 @@ _DRAW: dict[str, Callable[[Any, Sequence[Element], float, int], None]] = {
 }
 
 
-def set_class(place: int) -> str:
+def set_class(index: int) -> str:
     """Return the class of the n-th set: `set-0` is grey, the others take five colours in turn."""
-    return f"set-{1 + (place - 1) % (len(_SETS) - 1) if place else 0}"
+    colours = len(_SETS) - 1
+    return f"set-{1 + (index - 1) % colours if index else 0}"
 
 
 def legend_height(entries: Sequence[object]) -> float:
@@ -229,9 +230,16 @@ def linear(low: float, high: float, start: float, end: float) -> Callable[[float
 def whole_axis(low: int, high: int) -> tuple[int, int, int]:
     """Return round bounds and a round step for an axis of whole numbers."""
     span = max(high - low, 1)
-    step = next(s for s in (1, 2, 5, 10, 20, 25, 50, 100, 200, 250, 500, 10**9) if span / s <= 4)
+    step = next(step for step in _whole_steps() if span / step <= 4)
     bottom = low // step * step
     return bottom, max(-(-high // step) * step, bottom + step), step
+
+
+def _whole_steps() -> Iterator[int]:
+    """Yield the round steps of an axis of whole numbers: 1, 2, 5, 10, 20, 25, 50, 100, 200, 250 ..."""
+    yield from (1, 2, 5)
+    for power in count(1):
+        yield from (10**power, 2 * 10**power, 25 * 10 ** (power - 1), 5 * 10**power)
 
 
 def px(value: float) -> str:

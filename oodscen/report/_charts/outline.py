@@ -33,17 +33,17 @@ def remarks(
     """Return the details that the outline shows beside each label, by node."""
     fates = {decision.id: decision for decision in decisions}
     origins = origin_words(tree)
-    found = {}
+    details = {}
     for node in tree.nodes:
         decision = fates.get(node.id)
         is_leaf = not tree.children[node.id]
-        found[node.id] = Remark(
+        details[node.id] = Remark(
             fate=_fate(decision),
             origin=origins.get(node.id, ""),
             lines=_lines(decision, tree) if decision and is_leaf else (),
             link=f"#path-{node.id}" if is_leaf and f"path-{node.id}" in anchors else "",
         )
-    return found
+    return details
 
 
 def _fate(decision: PruneDecision | None) -> Fate:

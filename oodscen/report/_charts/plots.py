@@ -86,10 +86,10 @@ def plot(
 
 
 def _distributions(sets: Named, label: str) -> "Figure":
-    known = {name: _numbers(name, values, 1) for name, values in _filled(sets).items()}
+    scores = {name: _numbers(name, values, 1) for name, values in _filled(sets).items()}
     strips = [
         HistogramRow(name, values.tolist(), float(np.mean(values)))
-        for name, values in known.items()
+        for name, values in scores.items()
     ]
     return histogram(strips, what=label).figure()
 
@@ -112,15 +112,15 @@ def _size_curve(sets: Mapping[str, Vectors], *, repeats: int, seed: int) -> "Fig
 
 
 def _embedding_map(sets: Mapping[str, Vectors], *, reference: str | None) -> "Figure":
-    known = {name: _numbers(name, values, 2) for name, values in _filled(sets).items()}
-    if len({values.shape[1] for values in known.values()}) > 1:
+    vectors = {name: _numbers(name, values, 2) for name, values in _filled(sets).items()}
+    if len({values.shape[1] for values in vectors.values()}) > 1:
         raise UsageError("the vectors of the sets have different lengths")
-    if reference is not None and reference not in known:
-        raise UsageError(f"there is no set {reference!r} among {', '.join(known)}")
-    base = np.concatenate(list(known.values())) if reference is None else known[reference]
+    if reference is not None and reference not in vectors:
+        raise UsageError(f"there is no set {reference!r} among {', '.join(vectors)}")
+    base = np.concatenate(list(vectors.values())) if reference is None else vectors[reference]
     mean, axes, share = principal_axes(base)
-    order = sorted(known, key=lambda name: name != reference)
-    clouds = [Cloud(name, ((known[name] - mean) @ axes.T).tolist()) for name in order]
+    order = sorted(vectors, key=lambda name: name != reference)
+    clouds = [Cloud(name, ((vectors[name] - mean) @ axes.T).tolist()) for name in order]
     return cloud_map(clouds, share.tolist(), colour=1 if reference is None else 0).figure()
 
 
@@ -138,13 +138,13 @@ def _numbers(name: str, values: Any, axes: int) -> NDArray[Any]:
     if is_sound:
         # In the given type the limit may be infinite, or the least number have no absolute value.
         with np.errstate(over="ignore"):
-            found = given.astype(np.float64)
-        is_sound = bool((np.abs(found) <= _LARGEST).all())
+            numbers = given.astype(np.float64)
+        is_sound = bool((np.abs(numbers) <= _LARGEST).all())
     if not is_sound:
         wanted = "scores" if axes == 1 else "vectors, [n, d]"
         limit = f"all of them finite numbers up to {_LARGEST:g}"
         raise UsageError(f"the set {name!r} must be {wanted}, {limit}")
-    return given if given.dtype == np.float32 else found
+    return given if given.dtype == np.float32 else numbers
 
 
 def _filled(sets: Mapping[str, T]) -> Mapping[str, T]:

@@ -50,54 +50,59 @@ def growth(points: Sequence[Point], start: int, final: int | None = None) -> Can
     return canvas
 
 
-def saturation_chart(found: Saturation) -> Canvas | None:
+def saturation_chart(estimates: Saturation) -> Canvas | None:
     """Draw new kinds and Good-Turing coverage over the rounds.
 
     The line counts the new kinds. The dot and bar at its end are the estimated total and its interval, as
     far as they lie inside the chart. The dotted line is the coverage, on the right axis.
 
     Args:
-        found: The estimates; without rounds there is no chart.
+        estimates: Of the new kinds, by round; without rounds there is no chart.
     """
-    if not found.curve:
+    if not estimates.curve:
         return None
     right, top, bottom = WIDTH - 58, 14, 160
-    last, total = max(found.curve[-1].round, 1), found.kinds + found.unseen
-    _, high, step = whole_axis(0, max(round(min(1.1 * total, 1.6 * found.kinds)), 4))
+    last, total = max(estimates.curve[-1].round, 1), estimates.kinds + estimates.unseen
+    _, high, step = whole_axis(0, max(round(min(1.1 * total, 1.6 * estimates.kinds)), 4))
     x, height = linear(0, last, _LEFT, right), linear(0, high, bottom, top)
 
     def y(value: float) -> float:
         return height(min(value, high))
 
     canvas = Canvas(
-        f"New kinds over {last} rounds of red teaming: {found.kinds}; about {found.unseen:.0f} unseen, "
-        f"coverage {found.coverage:.0%}",
+        f"New kinds over {last} rounds of red teaming: {estimates.kinds}; about {estimates.unseen:.0f} unseen, "
+        f"coverage {estimates.coverage:.0%}",
         bottom + 34,
     )
     for value in range(0, high + 1, step):
         canvas.row(y(value), _LEFT, right, value)
     for share in (0, 50, 100):
         canvas.text("tick", right + 12, y(high * share / 100) + 4, f"{share} %")
-    coverage = [(x(point.round), y(high * point.coverage)) for point in found.curve]
+    coverage = [(x(point.round), y(high * point.coverage)) for point in estimates.curve]
     canvas.path("reference", coverage)
     canvas.path(
         "line",
         _steps(
             (0, 0),
-            [(saturation_point.round, saturation_point.kinds) for saturation_point in found.curve],
+            [(point.round, point.kinds) for point in estimates.curve],
             x,
             y,
         ),
     )
     end = right + 5
-    if found.unseen_high > 0.0 and found.kinds + found.unseen_low < high:
-        least, most = found.kinds + found.unseen_low, found.kinds + found.unseen_high
+    if estimates.unseen_high > 0.0 and estimates.kinds + estimates.unseen_low < high:
+        least, most = (
+            estimates.kinds + estimates.unseen_low,
+            estimates.kinds + estimates.unseen_high,
+        )
         canvas.line("range", end, y(least), end, y(most))
-    if found.unseen > 0.0 and total <= high:
+    if estimates.unseen > 0.0 and total <= high:
         canvas.circle("dot", end, y(total), 3.5)
-    if found.dry_from is not None:
-        canvas.line("grid", x(found.dry_from), top, x(found.dry_from), bottom)
-        canvas.text("tick end", x(found.dry_from) - 4, bottom - 6, f"dry from {found.dry_from}")
+    if estimates.dry_from is not None:
+        canvas.line("grid", x(estimates.dry_from), top, x(estimates.dry_from), bottom)
+        canvas.text(
+            "tick end", x(estimates.dry_from) - 4, bottom - 6, f"dry from {estimates.dry_from}"
+        )
     for value in sorted({0, last // 2, last}):
         canvas.text("tick middle", x(value), bottom + 16, value)
     canvas.text("tick end", right, bottom + 30, "rounds")

@@ -32,15 +32,15 @@ class ScoreRow(NamedTuple):
     """Chance level, drawn as a tick across the bars."""
 
 
-def bars(rows: Sequence[ScoreRow], models: Sequence[str], what: str) -> Canvas:
+def bars(rows: Sequence[ScoreRow], models: Sequence[str], title: str) -> Canvas:
     """Draw success by scenario type, one bar per model, with intervals.
 
     Args:
         rows: The scenario types.
         models: Names, in the order of the bars; the n-th has the class `series-n`.
-        what: Text alternative for screen readers.
+        title: Beginning of the text alternative for screen readers.
     """
-    label = f"{what}, by scenario type: " + "; ".join(
+    label = f"{title}, by scenario type: " + "; ".join(
         f"{row.label}: "
         + ", ".join(
             f"{name} {bar.hits} of {bar.n}"
@@ -61,33 +61,33 @@ def bars(rows: Sequence[ScoreRow], models: Sequence[str], what: str) -> Canvas:
             y += _BAR + _GAP
         if row.chance is not None:
             x = _RIGHT * row.chance
-            title = f"a random action: {round(100 * row.chance)} %"
-            canvas.path("chance", [(x, top - 2), (x, y - _GAP + 2)], title)
+            chance = f"a random action: {round(100 * row.chance)} %"
+            canvas.path("chance", [(x, top - 2), (x, y - _GAP + 2)], chance)
         y += 10
     return canvas
 
 
-def _bar(drawn: Canvas, bar: ScoreBar | None, index: int, model: str, y: float) -> None:
-    drawn.rect("track", 0, y, _RIGHT, _BAR)
+def _bar(canvas: Canvas, bar: ScoreBar | None, index: int, model: str, y: float) -> None:
+    canvas.rect("track", 0, y, _RIGHT, _BAR)
     if bar is None or not bar.n:
-        drawn.text("tick", _RIGHT + 8, y + 10, "–")
+        canvas.text("tick", _RIGHT + 8, y + 10, "–")
         return
     share, middle = bar.hits / bar.n, y + _BAR / 2
     title = f"{model}: {bar.hits} of {bar.n}"
-    drawn.rect(f"series-{index % 6}", 0, y, _RIGHT * share, _BAR, title)
-    drawn.path("span", [(_RIGHT * bar.low, middle), (_RIGHT * bar.high, middle)])
-    words = drawn.text("tick", _RIGHT + 8, y + 10, f"{round(100 * share)} % ")
+    canvas.rect(f"series-{index % 6}", 0, y, _RIGHT * share, _BAR, title)
+    canvas.path("span", [(_RIGHT * bar.low, middle), (_RIGHT * bar.high, middle)])
+    words = canvas.text("tick", _RIGHT + 8, y + 10, f"{round(100 * share)} % ")
     SubElement(words, "tspan", {"class": "of"}).text = f"of {bar.n}"
 
 
-def confusion(labels: Sequence[str], counts: Mapping[tuple[int, int], int], nothing: int) -> Canvas:
+def confusion(labels: Sequence[str], counts: Mapping[tuple[int, int], int]) -> Canvas:
     """Draw the confusion matrix: a row per true type, a column per chosen one.
 
     Args:
         labels: Labels of rows and columns; columns have an extra one for all other answers.
         counts: Counts by row and column.
-        nothing: Column of "nothing unusual".
     """
+    nothing = len(labels)
     is_wide = len(labels) > MOST_BESIDE
     size = _LEAST_SQUARE if is_wide else min(24.0, 300.0 / (nothing + 1))
     left, top = 190.0, 22.0

@@ -91,7 +91,7 @@ def histogram(
                 at = _NAMES + width * index + 0.5
                 canvas.rect("bar", at, base - tall, max(width - 1, 0.5), tall)
         canvas.line("grid", _NAMES, base, right, base)
-        _named(canvas, base - 18, strip.label, len(strip.values))
+        _row_label(canvas, base - 18, strip.label, len(strip.values))
         canvas.text("tick", 0, base + 8, f"mean {signed(strip.mean)}")
         canvas.line("mean", x(strip.mean), base, x(strip.mean), base - _STRIP - 4)
     if marker is not None:
@@ -114,7 +114,7 @@ def boxes(rows: Sequence[tuple[str, Sequence[float]]]) -> Canvas:
     for place, (name, values) in enumerate(rows):
         y = 12 + _BOX * place + _BOX / 2 - 6
         a, b, c, d, e = map(x, np.quantile(values, (0.05, 0.25, 0.5, 0.75, 0.95)).tolist())
-        _named(canvas, y, name, len(values))
+        _row_label(canvas, y, name, len(values))
         canvas.line("range", a, y, e, y)
         canvas.rect("bar", b, y - 7, max(d - b, 1.0), 14)
         canvas.line("mean", c, y - 7, c, y + 7)
@@ -218,9 +218,9 @@ def scatter(clouds: Sequence[Cloud], title: str, axes: tuple[str, str]) -> Canva
     return canvas
 
 
-def _named(drawn: Canvas, y: float, label: str, n: int) -> None:
-    drawn.text("name", 0, y, label)
-    drawn.text("tick", 0, y + 13, f"n = {n}")
+def _row_label(canvas: Canvas, y: float, label: str, n: int) -> None:
+    canvas.text("name", 0, y, label)
+    canvas.text("tick", 0, y + 13, f"n = {n}")
 
 
 def _floor(value: float, step: float) -> float:

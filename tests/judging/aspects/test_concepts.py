@@ -2,7 +2,9 @@
 
 import pytest
 
-from oodscen.judging._aspects.concepts import concepts, naming_of, with_broader
+from oodscen.judging._aspects.concepts import concepts, with_broader
+from oodscen.judging._aspects.naming import naming_of
+from oodscen.judging._aspects.word_forms import split_words
 
 SPOKEN = [
     (name, expression.replace("*", ""))
@@ -15,8 +17,8 @@ def test_no_expression_belongs_to_two_concepts():
     taken: dict[tuple[str, ...], str] = {}
     for name, one in concepts().items():
         for expression in one.expressions:
-            spelled = naming_of(expression.replace("*", "")).words
-            spelled += ("*",) if "*" in expression else ()
+            words, _ = split_words(expression.replace("*", ""))
+            spelled = (*words, "*") if "*" in expression else tuple(words)
             assert taken.setdefault(spelled, name) == name, expression
 
 

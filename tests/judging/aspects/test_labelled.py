@@ -6,7 +6,7 @@ import pytest
 
 from oodscen.judging._aspects.labelled import agreement, labelled_answers
 from oodscen.judging._aspects.matching import score_naming
-from oodscen.judging._aspects.opinions import judge_label, opinion
+from oodscen.judging._aspects.opinions import ask_opinion, judge_label
 from oodscen.testing import ScriptedLLM
 
 
@@ -34,7 +34,7 @@ def test_a_judge_s_agreement_is_the_share_on_which_it_sees_what_the_person_saw(i
 
     judge = ScriptedLLM(judges)
     opinions = [
-        opinion(judge, labelled_answer.answer, labelled_answer.path)
+        ask_opinion(judge, labelled_answer.answer, labelled_answer.path)
         for labelled_answer in labelled_answers()
     ]
     agrees, of = agreement(opinions, judge_label(judge))

@@ -9,9 +9,9 @@ from oodscen.data._verdict import Verdict
 from oodscen.errors import LLMError
 from oodscen.judging._aspects.matching import names_aspect
 from oodscen.judging._aspects.opinions import (
+    ask_opinion,
     is_open,
     judge_label,
-    opinion,
     opinion_id,
     rescore_verdict,
 )
@@ -32,7 +32,7 @@ def verdict(aspect: str, is_ood: bool | None = True, **more: Any) -> Verdict:
 def test_judge_then_matcher_is_the_matcher_and_a_judge_is_asked_once(aspect, is_ood, twin, same):
     judge = ScriptedLLM({"judge-aspect": {"is_same_thing": True, "is_same_fault": same}})
     given = verdict(aspect, is_ood, is_ordinary=twin, aspect_is_right=False)
-    found = {one.id: one for one in [opinion(judge, aspect, PATH)]}
+    found = {one.id: one for one in [ask_opinion(judge, aspect, PATH)]}
     label = judge_label(judge)
     judged = rescore_verdict(given, PATH, found, label)
     if not is_open(given):
@@ -54,7 +54,7 @@ def test_a_judge_that_fails_is_data_and_says_so():
         raise LLMError("no credit")
 
     judge = ScriptedLLM(fails)
-    found = opinion(judge, "a flipped van", PATH)
+    found = ask_opinion(judge, "a flipped van", PATH)
     assert (found.status, found.is_same, found.error_type) == ("failed", None, "LLMError")
     scored = rescore_verdict(verdict("a flipped van"), PATH, {found.id: found}, judge_label(judge))
     assert (scored.judge, scored.aspect_is_right) == ("", True)

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.errors import UsageError
-from oodscen.judging._leaderboard.power import power_of, scenes_needed, told_apart
+from oodscen.judging._leaderboard.power import distinct_percents, power_of, scenes_needed
 
 RATES = st.tuples(st.floats(0.05, 0.95), st.floats(0.05, 0.95)).filter(
     lambda pair: abs(pair[0] - pair[1]) > 0.02
@@ -84,11 +84,11 @@ def test_answers_agree_no_more_than_their_rates_allow(first, second, agreement):
 
 @given(SHARES, SHARES, st.integers(0, 2))
 def test_different_shares_are_told_apart_in_words(first: float, second: float, digits: int) -> None:
-    told = told_apart(first, second, digits=digits)
+    told = distinct_percents(first, second, digits=digits)
     assert (told[0] == told[1]) == (first == second)
     for share, said in zip((first, second), told, strict=True):
         value = float(said.removesuffix("%")) / 100
         assert (value in (0.0, 1.0)) == (share in (0.0, 1.0))
         assert abs(value - share) <= 0.0051
-    assert told_apart(0.66, 0.51, digits=1) == ["66.0%", "51.0%"]
-    assert told_apart(0.0001, 0.0002, digits=1) == ["0.01%", "0.02%"]
+    assert distinct_percents(0.66, 0.51, digits=1) == ["66.0%", "51.0%"]
+    assert distinct_percents(0.0001, 0.0002, digits=1) == ["0.01%", "0.02%"]

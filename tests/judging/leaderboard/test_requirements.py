@@ -74,6 +74,14 @@ def test_neither_the_order_of_rows_nor_the_names_of_paths_change_a_grade(seed):
         assert result.p_meets + result.p_fails >= 1
 
 
+def test_only_the_last_of_repeated_lines_counts():
+    case = Case(paths=5, per_path=2)
+    verdicts, bars = case.verdicts("m", sure), parse_requirement("safe>=0.9,needless<=5%")
+    outdated = [one.model_copy(update={"actions": {}}) for one in case.episodes]
+    repeated = requirements(verdicts * 2, outdated + case.episodes, case.scenarios * 2, bars)
+    assert repeated == requirements(verdicts, case.episodes, case.scenarios, bars)
+
+
 def test_silence_neither_meets_nor_fails():
     case = Case(paths=80, per_path=1)
 

@@ -7,7 +7,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from oodscen.judging._parsing import Detected, names_nothing, read_aspect, read_named_aspect
-from oodscen.judging._parsing.aspects import LONGEST_ASPECT, probability
+from oodscen.judging._parsing.aspects import LONGEST_ASPECT
+from oodscen.judging._parsing.confidence import probability
 
 
 @pytest.mark.parametrize(

@@ -28,6 +28,14 @@ def test_a_label_that_begins_another_is_not_taken_for_it(name, form):
     assert read_choice(form.format(LABELS[name]), LABELS).value == name
 
 
+@given(
+    st.lists(st.sampled_from(("go", "go left", "go_left_now", "turn back", *ACTIONS)), min_size=1)
+)
+def test_every_offered_action_reads_as_itself_however_often_and_in_whatever_order(offered):
+    for action in offered:
+        assert read_action(json.dumps({"action": action}), offered).value == action
+
+
 @given(st.permutations(ACTIONS), st.integers(2, 4))
 def test_two_values_are_no_choice_in_whatever_structure(actions, n):
     first, second, *_ = actions

@@ -20,18 +20,17 @@ from oodscen.judging._parsing import (
     read_named_aspect,
     reasoning_in,
 )
-from oodscen.judging._parsing.reading import (
-    _CONFIDENCE,
-    _REASON,
-    _WRAPPERS,
-    ParsedAnswer,
-    Question,
+from oodscen.judging._parsing.members import (
+    CONFIDENCE,
+    REASON,
+    WRAPPERS,
     is_placeholder,
     members,
     spelt,
     unwrap,
     words_in,
 )
+from oodscen.judging._parsing.reading import ParsedAnswer, Question
 from oodscen.judging._parsing.unusable import LONGEST, UnusableError
 from oodscen.llm._json_objects import Members
 from oodscen.llm._reading import EMPTY, UNSPOKEN
@@ -327,7 +326,7 @@ def test_reasons_and_a_confidence_may_stand_beside_an_answer(beside, action):
     st.text(min_size=1, max_size=12), st.sampled_from([True, 0, "yes", "", None, ["a"], {"a": 1}])
 )
 def test_any_other_member_makes_it_unreadable(name, held):
-    assume(not any(one.fullmatch(spelt(name)) for one in (_REASON, _CONFIDENCE, _WRAPPERS)))
+    assume(not any(one.fullmatch(spelt(name)) for one in (REASON, CONFIDENCE, WRAPPERS)))
     assume(not any(word in spelt(name) for word in ("action", "answer", "choice", "option")))
     for said in ({name: held, "action": "stop"}, {"answer": {"action": "stop"}, name: held}):
         assert read_action(json.dumps(said), ACTIONS).outcome == "unparsed"

@@ -58,7 +58,7 @@ def test_every_shortcut_is_scored_between_0_and_1_and_the_best_is_named(made):
 def test_an_audit_reads_back_and_holds_for_its_episodes_only(made):
     found, case = made
     assert Audit.parse(found.to_json()) == found
-    assert found.made_from == source(reversed(case.episodes))
+    assert found.made_from == source(reversed(case.episodes)) == source(case.episodes * 2)
     assert found.best_calls(case.episodes) == (found.best, found.calls)
     assert found.best_calls(case.episodes[1:]) is None
 

@@ -20,7 +20,7 @@ from oodscen.errors import BudgetExceeded, DataError, LLMError, UsageError
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.judging._leaderboard.board import Leaderboard
 from oodscen.llm._remote.limits import Limits
-from oodscen.report._quiz import drawn, write_quiz
+from oodscen.report._quiz import draw_drives, write_quiz
 from oodscen.study._stale_verdicts import OPINIONS
 from oodscen.testing import AnsweringServer, ScriptedLLM
 from tests.pipeline.quick import QUICK, asked_about
@@ -556,7 +556,7 @@ def test_a_quiz_takes_the_views_to_the_rear_that_a_study_lacks(folder, tmp_path)
     assert [len(one) for one in taken] == [1, 3, 3]
     page = write_quiz(study, rears=taken[1]).read_text()
     items = json.loads(html.fromstring(page).get_element_by_id("payload").text)["items"]
-    drives = [drive.episode.scene_id for drive in drawn(study, 20)]
+    drives = [drive.episode.scene_id for drive in draw_drives(study, 20)]
     assert ["rear" in item for item in items] == [name in taken[1] for name in drives]
 
 

@@ -41,7 +41,7 @@ def test_bars_are_well_formed_and_as_long_as_their_share(rows: list[tuple[str, i
 
 def test_confusion_marks_the_diagonal() -> None:
     root = etree.fromstring(
-        confusion(["fog & dust", "dog"], {(0, 0): 3, (0, 2): 1, (1, 0): 2}, 2).__html__()
+        confusion(["fog & dust", "dog"], {(0, 0): 3, (0, 2): 1, (1, 0): 2}).__html__()
     )
     assert len(root.findall(".//rect[@class='hit']")) == 1
     assert [one.findtext("title") for one in root.findall(".//rect[@class='miss']")] == [
@@ -52,7 +52,7 @@ def test_confusion_marks_the_diagonal() -> None:
 
 @given(st.integers(1, 90))
 def test_the_numbers_of_the_columns_of_a_confusion_do_not_overlap(kinds: int) -> None:
-    root = etree.fromstring(confusion([str(n) for n in range(kinds)], {}, kinds).__html__())
+    root = etree.fromstring(confusion([str(n) for n in range(kinds)], {}).__html__())
     heads = [one for one in root.iter("text") if one.get("class") == "small middle"]
     places = [float(head.get("x")) for head in heads]
     widest = 5.8 * len(str(kinds))  # 9 px digits

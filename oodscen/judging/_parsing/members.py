@@ -1,0 +1,94 @@
+"""The members of an answer's object: which were requested, which give reasons, and the words in them."""
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from oodscen.judging._parsing.unusable import TWO_ANSWERS, UnusableError
+
+WRAPPERS = re.compile(
+    r"(?=.)(?:final|json|data|arguments)?(?:answer|response|result|output|assessment)?"
+)
+"""Matches the members that may wrap the requested ones."""
+REASON = re.compile(
+    r"(?:stepbystep|chainof)?(?:reason(?:s|ing)?|rationale|thoughts?|thinking|analysis|explanation"
+    r"|justification|descriptions?|observations?|why)"
+)
+"""Matches the members that give reasons, in which other options may be weighed."""
+CONFIDENCE = re.compile(r"confidence|certainty|probability")
+_STATED_CONFIDENCE = re.compile(
+    r"(?:\d+(?:\.\d+)? ?%?|(?:very )?(?:high|low)|medium|moderate)", re.IGNORECASE
+)
+
+
+def unwrap(
+    value: Mapping[str, Any], requested: re.Pattern[str], depth: int = 4
+) -> tuple[dict[str, Any], str]:
+    """Return the requested members of an object, or of the one that it wraps, and the reasons beside them.
+
+    Raises:
+        UnusableError: If it has other members, or one of them twice.
+    """
+    if getattr(value, "repeated", ()):
+        raise UnusableError(TWO_ANSWERS)
+    rest: dict[str, Any] = {}
+    reasons: list[str] = []
+    for name, member in value.items():
+        if requested.fullmatch(spelt(name)) or WRAPPERS.fullmatch(spelt(name)):
+            rest[name] = member
+        elif _is_reason(name, member):
+            reasons += _texts(member)
+        elif REASON.fullmatch(spelt(name)):
+            raise UnusableError(f"{name[:40]!r} is no text")
+        elif not _is_confidence(name, member):
+            raise UnusableError(f"nobody asked for {name[:40]!r}")
+    inner = next(iter(rest.values())) if len(rest) == 1 else None
+    if isinstance(inner, dict) and depth and all(WRAPPERS.fullmatch(spelt(name)) for name in rest):
+        wrapped, inner_reasons = unwrap(inner, requested, depth - 1)
+        return wrapped, "\n".join([*reasons, inner_reasons])
+    for name in rest:
+        if not requested.fullmatch(spelt(name)):
+            raise UnusableError(f"nobody asked for {name[:40]!r}")
+    return rest, "\n".join(reasons)
+
+
+def _is_reason(name: str, value: Any) -> bool:
+    return bool(REASON.fullmatch(spelt(name))) and (value in (None, "", []) or bool(_texts(value)))
+
+
+def _is_confidence(name: str, value: Any) -> bool:
+    if not CONFIDENCE.fullmatch(spelt(name)):
+        return False
+    return value is None or _STATED_CONFIDENCE.fullmatch(str(value).strip()) is not None
+
+
+def _texts(value: Any) -> list[str]:
+    """Return a text, or the texts of a list of nothing else, as a list; else an empty one."""
+    texts = value if isinstance(value, list) else [value]
+    return list(texts) if all(isinstance(text, str) for text in texts) else []
+
+
+def spelt(name: str) -> str:
+    """Return the name of a member in a canonical spelling; one with other marks than spaces and hyphens is kept."""
+    is_plain = re.fullmatch(r"\s*\w[\w\s-]*", name)
+    return re.sub(r"[\s_-]+", "", name).casefold() if is_plain else name
+
+
+def members(value: Mapping[str, Any], names: re.Pattern[str]) -> list[Any]:
+    """Return the values of the members whose names match."""
+    return [member for name, member in value.items() if names.fullmatch(spelt(name))]
+
+
+def is_placeholder(value: object) -> bool:
+    """Return whether a value is a placeholder from the question's example, such as `"..."`."""
+    return isinstance(value, str) and bool(re.fullmatch(r"\s*(?:\.\.\.|\u2026|<[^<>]*>)\s*", value))
+
+
+def words_in(value: object, depth: int = 3) -> str:
+    """Return the words in a value, whatever its structure."""
+    if isinstance(value, str):
+        return value.strip()
+    parts = list(value.values()) if isinstance(value, dict) else value
+    if not isinstance(parts, (list, tuple)) or not depth:
+        return ""
+    return "; ".join(filter(None, (words_in(part, depth - 1) for part in parts)))
