@@ -82,7 +82,7 @@ class RecordedRun(Brief):
 
     @classmethod
     def of(
-        cls, states: Sequence[State], corridor: Corridor, decision_s: float | None = None
+        cls, states: Sequence[State], corridor: Corridor, decision_s: float | None
     ) -> "RecordedRun":
         """Collect states."""
         poses = np.array([state.poses for state in states])
