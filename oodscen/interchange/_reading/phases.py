@@ -54,7 +54,7 @@ def leaves(action: Element) -> Iterator[Element]:
 def duration(event: Element, speed: float) -> float | None:
     """Return how long an event of an entity takes, s, or `None` if an action of it has no known end."""
     found = [
-        _lasts(node.touched(), speed) for action in event.all("Action") for node in leaves(action)
+        _lasts(node.touch(), speed) for action in event.all("Action") for node in leaves(action)
     ]
     known = [one for one in found if one is not None]
     return max(known, default=0.0) if len(known) == len(found) else None
