@@ -93,7 +93,7 @@ def _precipitation(sky: Element) -> tuple[Precipitation, float]:
     if node is None:
         return "none", 0.0
     name, amount_mm_h = node.get("precipitationType"), _intensity_mm_h(node)
-    kind: Precipitation = next((known for known in PRECIPITATIONS if known == name), "none")
+    kind: Precipitation = next((kind for kind in PRECIPITATIONS if kind == name), "none")
     if kind == "none" and name not in ("dry", "none"):
         node.note(f"precipitation of kind {name[:40]!r} is left out")
     elif kind == "none" and amount_mm_h > 0.0:
