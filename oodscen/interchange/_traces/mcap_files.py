@@ -137,7 +137,8 @@ def _message_types(kind: str) -> bytes:
     needed = [
         file.name
         for file in every_file
-        if file.package == package and any(message.name == type_name for message in file.message_type)
+        if file.package == package
+        and any(message.name == type_name for message in file.message_type)
     ]
     for name in needed:  # It grows by the files on which these depend.
         needed += [other for other in files[name].dependency if other not in needed]
