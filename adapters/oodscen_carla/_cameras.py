@@ -26,7 +26,8 @@ _BLUE, _GREEN, _RED = range(3)
 class Cameras:
     """Cameras that are mounted together on one actor.
 
-    They sleep until a picture is wanted, and again after a tick without such a wish. Every method may raise the client's `RuntimeError`.
+    They sleep until a picture is wanted, and again after a tick without such a wish. Every method may raise the
+    client's `RuntimeError`.
     """
 
     def __init__(self) -> None:
@@ -52,11 +53,11 @@ class Cameras:
             host: The actor that carries the cameras.
             camera: Size, field of view and place of the pictures.
         """
-        old = self._sensors
+        earlier = self._sensors
         self.forget()
-        for sensor, _ in old.values():
+        for sensor, _ in earlier.values():
             sensor.destroy()
-        place = carla.Transform(
+        mount = carla.Transform(
             carla.Location(camera.x, -camera.y, camera.z),
             carla.Rotation(pitch=-camera.pitch_deg, yaw=-camera.yaw_deg),
         )
@@ -66,7 +67,7 @@ class Cameras:
             blueprint.set_attribute("image_size_x", str(camera.width))
             blueprint.set_attribute("image_size_y", str(camera.height))
             blueprint.set_attribute("fov", str(camera.fov_deg))
-            sensor = world.spawn_actor(blueprint, place, attach_to=host)
+            sensor = world.spawn_actor(blueprint, mount, attach_to=host)
             self._sensors[kind] = sensor, queue.SimpleQueue()
         self._mounted = host.id, camera
 
@@ -96,7 +97,7 @@ class Cameras:
             tick: Number of the server's last tick.
             wait_s: Longest time to wait for a picture, s.
         """
-        found = {}
+        pictures = {}
         for kind, (_, images) in self._sensors.items():
             try:
                 image = images.get(timeout=wait_s)
@@ -106,8 +107,8 @@ class Cameras:
                 return None
             if image.frame > tick:
                 return None
-            found[kind] = image
-        return found
+            pictures[kind] = image
+        return pictures
 
 
 def decode(pictures: dict[str, Any], camera: Camera, ids: Sequence[int]) -> Frame:
@@ -127,12 +128,12 @@ def decode(pictures: dict[str, Any], camera: Camera, ids: Sequence[int]) -> Fram
     depth = code * (FARTHEST_M / DEPTH_CODES)
     depth[depth >= _SKY_M] = np.inf
     rows: NDArray[np.int32] = np.zeros(_BODIES, np.int32)
-    for row, number in enumerate(ids, start=1):
-        rows[number % _BODIES] = row
-    shown = rows[instances[..., _GREEN] + (instances[..., _BLUE].astype(np.int32) << 8)]
+    for row, actor_id in enumerate(ids, start=1):
+        rows[actor_id % _BODIES] = row
+    frame_ids = rows[instances[..., _GREEN] + (instances[..., _BLUE].astype(np.int32) << 8)]
     return Frame(
         rgb=np.ascontiguousarray(colours[..., _RED::-1]),
         depth=depth.astype(np.float32),
-        ids=shown,
-        tags=np.where(shown > 0, np.uint8(0), instances[..., _RED]),
+        ids=frame_ids,
+        tags=np.where(frame_ids > 0, np.uint8(0), instances[..., _RED]),
     )
