@@ -31,19 +31,19 @@ def collide(
         car = solid[row]
         if car.staged == "ego":
             is_near |= [actor.staged in touched for actor in solid]
-        rivals = [solid[index] for index in np.flatnonzero(is_near) if index != row]
-        server_actors = [other for other in rivals if _touch(car, other, touched)]
-        contacts += [(car, other) for other in server_actors]
-        _react(car, {other.id for other in server_actors}, before)
+        others = [solid[index] for index in np.flatnonzero(is_near) if index != row]
+        touching = [other for other in others if _touch(car, other, touched)]
+        contacts += [(car, other) for other in touching]
+        _react(car, {other.id for other in touching}, before)
     return contacts
 
 
 def _near(solid: Sequence[ServerActor], cars: Sequence[int]) -> NDArray[np.bool_]:
     """Return which bodies may touch which cars, by their distance: [cars, bodies]."""
-    at = np.array([actor.place.location for actor in solid])
-    reach = np.array([math.hypot(*actor.blueprint.extent[:2]) for actor in solid])
-    apart = np.hypot(*(at[cars, None, axis] - at[None, :, axis] for axis in (0, 1)))
-    return np.asarray(apart <= reach[cars][:, None] + reach[None, :])
+    places = np.array([actor.place.location for actor in solid])
+    radii = np.array([math.hypot(*actor.blueprint.extent[:2]) for actor in solid])
+    distances = np.hypot(*(places[cars, None, axis] - places[None, :, axis] for axis in (0, 1)))
+    return np.asarray(distances <= radii[cars][:, None] + radii[None, :])
 
 
 def _react(car: ServerActor, touching: set[int], before: Mapping[int, Transform]) -> None:

@@ -13,7 +13,7 @@ from oodscen_carla.server._vehicles import drive
 _HIGHEST_FRICTION = 2.0
 _LEVEL_DEG = 1e-4
 """Pitch up to which a body stands level, degrees."""
-_TURNS_MPS = 1e-6
+_TURNING_MPS = 1e-6
 """Speed across the ground up to which a walker does not turn, m/s."""
 
 
@@ -29,10 +29,10 @@ class Surface(NamedTuple):
     def friction_below(self, actor: ServerActor) -> float:
         """Return the friction below a vehicle: a trigger's, or the road's."""
         for trigger in self.triggers:
-            reach = [trigger.number(f"extent_{axis}", 1.0) / 100.0 for axis in "xyz"]
+            extent_m = [trigger.number(f"extent_{axis}", 1.0) / 100.0 for axis in "xyz"]
             pairs = zip(actor.place.location, trigger.place.location, strict=True)
-            apart = [abs(a - b) for a, b in pairs]
-            if all(a <= b for a, b in zip(apart, reach, strict=True)):
+            distances_m = [abs(a - b) for a, b in pairs]
+            if all(a <= b for a, b in zip(distances_m, extent_m, strict=True)):
                 return max(0.0, min(_HIGHEST_FRICTION, trigger.number("friction", 1.0)))
         return self.friction
 
@@ -57,14 +57,14 @@ def move(actor: ServerActor, surface: Surface, dt: float) -> None:
 def _walk(actor: ServerActor, dt: float) -> None:
     """Move a walker, and turn it to where it goes."""
     assert actor.walk is not None
-    pace = actor.walk.speed
-    x, y, z = (pace * part for part in actor.walk.direction)
-    actor.velocity, actor.speed = (x, y, z), pace
+    speed = actor.walk.speed
+    x, y, z = (speed * part for part in actor.walk.direction)
+    actor.velocity, actor.speed = (x, y, z), speed
     _shift(actor, dt)
-    if pace > 0.0 and math.hypot(x, y) > _TURNS_MPS:
+    if speed > 0.0 and math.hypot(x, y) > _TURNING_MPS:
         pitch, _, roll = actor.place.rotation
-        turned = (pitch, math.degrees(math.atan2(y, x)), roll)
-        actor.place = Transform(actor.place.location, turned)
+        rotation = (pitch, math.degrees(math.atan2(y, x)), roll)
+        actor.place = Transform(actor.place.location, rotation)
 
 
 def _shift(actor: ServerActor, dt: float) -> None:
@@ -77,11 +77,12 @@ def _shift(actor: ServerActor, dt: float) -> None:
 def _stand(actor: ServerActor, road: ServedMap) -> None:
     """Put an actor on the road, with the road's slope."""
     x, y, _ = actor.place.location
-    found = road.ground(x, -y)
-    if found is None:
+    ground = road.ground(x, -y)
+    if ground is None:
         return
-    z, heading, slope = found
     yaw = actor.place.rotation[1]
-    along = slope * math.cos(math.radians(-yaw) - heading)
-    pitch = math.degrees(math.atan(along)) if actor.is_vehicle else 0.0
-    actor.place = Transform((x, y, z), (pitch if abs(pitch) > _LEVEL_DEG else 0.0, yaw, 0.0))
+    slope = ground.slope * math.cos(math.radians(-yaw) - ground.heading)
+    pitch = math.degrees(math.atan(slope)) if actor.is_vehicle else 0.0
+    if abs(pitch) <= _LEVEL_DEG:
+        pitch = 0.0
+    actor.place = Transform((x, y, ground.z), (pitch, yaw, 0.0))
