@@ -57,8 +57,11 @@ class EntityPlace(NamedTuple):
 
     def lane_beside(self, count: int) -> int:
         """Return the id of the lane that is a number of lanes to the left in this one's direction."""
-        lane = self.lane + self.direction * count
-        return lane + self.direction if lane * self.lane <= 0 else lane
+        steps = self.direction * count
+        lane = self.lane + steps
+        if lane * self.lane <= 0:
+            lane += 1 if steps > 0 else -1
+        return lane
 
 
 class Roads(Protocol):
