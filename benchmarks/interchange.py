@@ -45,8 +45,10 @@ from oodscen.interchange._traces.osi_writing import osi_trace
 from oodscen.interchange._verdicts.poses import PlayedPoses
 from oodscen.interchange._verdicts.verdict import PlayedVerdict
 from oodscen.interchange._writing.entities import entities
+from oodscen.interchange._writing.reactive import followers
+from oodscen.interchange._writing.replay import write_course
 from oodscen.interchange._writing.scenario import to_openscenario
-from oodscen.interchange._writing.storyboard import Storyboard, followers, write_course
+from oodscen.interchange._writing.storyboard import Storyboard
 from oodscen.interchange._writing.trajectories import phases, reference_poses
 from oodscen.protocols import Driver, Observation, Simulator, State
 from oodscen.stages._simulate import simulate

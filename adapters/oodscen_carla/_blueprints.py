@@ -9,11 +9,16 @@ _PREFIXES = {
     "cyclist": "vehicle.oodscen",
     "pedestrian": "walker.oodscen",
 }
+"""Beginnings of ids by the asset's category; others are props."""
+_SAME, _OTHER_CATEGORY, _COMMON_WORD = -9.0, 4.0, 1.5
+"""Distance of the same thing, and weights of another category and of a common word; sizes differ by 3 at most."""
+_COMMON_PARTS = frozenset({"", "vehicle", "prop", "pedestrian", "walker", "static", "oodscen"})
+"""Parts of ids that tell nothing about what they are."""
 
 
 def own_id(asset: Asset) -> str:
     """Return the id of the blueprint by which this library's own server offers an asset."""
-    return f"{_PREFIXES.get(asset.category, 'static.prop')}.{asset.id}"
+    return f"{_prefix(asset)}.{asset.id}"
 
 
 def blueprint_of(asset: Asset, offered: Collection[str], known: Iterable[Asset]) -> str | None:
@@ -30,7 +35,7 @@ def blueprint_of(asset: Asset, offered: Collection[str], known: Iterable[Asset])
     for name in (asset.id, own_id(asset)):
         if name in offered:
             return name
-    candidates = [one for one in known if one.id in offered and _is_alike(one, asset)]
+    candidates = [other for other in known if other.id in offered and _is_alike(other, asset)]
     return nearest(asset, candidates).id if candidates else None
 
 
@@ -40,19 +45,23 @@ def nearest(wanted: Asset, assets: Iterable[Asset]) -> Asset:
 
     def distance(asset: Asset) -> tuple[float, str]:
         if asset.id in wanted.names or wanted.id in asset.names:
-            return -9.0, asset.id
+            return _SAME, asset.id
         sizes = zip(_size(wanted), _size(asset), strict=True)
-        apart = sum(abs(a - b) / (a + b + 0.1) for a, b in sizes)
-        strange = 0.0 if asset.category == wanted.category else 4.0
-        return strange + apart - 1.5 * bool(words & _words(asset)), asset.id
+        size_difference = sum(abs(a - b) / (a + b + 0.1) for a, b in sizes)
+        category_difference = 0.0 if asset.category == wanted.category else _OTHER_CATEGORY
+        likeness = _COMMON_WORD if words & _words(asset) else 0.0
+        return category_difference + size_difference - likeness, asset.id
 
     return min(assets, key=distance)
 
 
-def _is_alike(one: Asset, other: Asset) -> bool:
+def _is_alike(asset: Asset, other: Asset) -> bool:
     """Return whether two assets are both vehicles, both people or both things."""
-    kinds = [_PREFIXES.get(asset.category, "static.prop") for asset in (one, other)]
-    return kinds[0] == kinds[1]
+    return _prefix(asset) == _prefix(other)
+
+
+def _prefix(asset: Asset) -> str:
+    return _PREFIXES.get(asset.category, "static.prop")
 
 
 def _size(asset: Asset) -> tuple[float, float, float]:
@@ -62,6 +71,4 @@ def _size(asset: Asset) -> tuple[float, float, float]:
 def _words(asset: Asset) -> set[str]:
     parts = asset.id.replace("_", ".").split(".")[-2:]
     joined = asset.id.replace("_", "").split(".")[-1:]
-    return {part.rstrip("0123456789") for part in [*parts, *joined]} - {
-        *("", "vehicle", "prop", "pedestrian", "walker", "static", "oodscen"),
-    }
+    return {part.rstrip("0123456789") for part in [*parts, *joined]} - _COMMON_PARTS

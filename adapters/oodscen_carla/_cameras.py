@@ -60,7 +60,7 @@ class Cameras:
         for kind, (sensor, _) in list(self._sensors.items()):
             sensor.destroy()
             del self._sensors[kind]
-        place = carla.Transform(
+        mount = carla.Transform(
             carla.Location(camera.x, -camera.y, camera.z),
             carla.Rotation(pitch=-camera.pitch_deg, yaw=-camera.yaw_deg),
         )
@@ -70,7 +70,7 @@ class Cameras:
             blueprint.set_attribute("image_size_x", str(camera.width))
             blueprint.set_attribute("image_size_y", str(camera.height))
             blueprint.set_attribute("fov", str(camera.fov_deg))
-            sensor = world.spawn_actor(blueprint, place, attach_to=host)
+            sensor = world.spawn_actor(blueprint, mount, attach_to=host)
             self._sensors[kind] = sensor, queue.SimpleQueue()
         self._mounted = host.id, camera
 
@@ -100,7 +100,7 @@ class Cameras:
             tick: Number of the server's last tick.
             wait_s: Longest time to wait for a picture, s.
         """
-        found = {}
+        pictures = {}
         for kind, (_, images) in self._sensors.items():
             try:
                 image = images.get(timeout=wait_s)
@@ -110,8 +110,8 @@ class Cameras:
                 return None
             if image.frame > tick:
                 return None
-            found[kind] = image
-        return found
+            pictures[kind] = image
+        return pictures
 
 
 def decode(

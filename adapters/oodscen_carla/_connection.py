@@ -16,7 +16,7 @@ VERSION = "0.9.16"
 """Version that the adapter accepts, of server and client alike: the instance pictures of older ones name no actors."""
 _BODIES = ("vehicle.", "walker.", "static.prop.")
 """Beginnings of the ids of all blueprints with a body."""
-_TRIES = 3
+_TICKS_PER_FRAME = 3
 """Number of ticks after which a frame that never comes is an error."""
 _LAST_PORT = 65_535
 
@@ -29,7 +29,7 @@ class ServerBody:
     """The actor's id."""
     actor: Any
     """The client's actor."""
-    lift: float
+    lift_m: float
     """Height of the actor's origin above its feet, m."""
     tags: frozenset[int]
     """Semantic tags of its pixels; empty if the server names none."""
@@ -68,33 +68,40 @@ class Connection:
         self._carla = carla = _load()
         self._cameras = Cameras()
         self._actors: list[int] = []
-        self._lit: dict[int, VehicleLight] = {}
+        self._lights: dict[int, VehicleLight] = {}
+        """Lamps that were switched on last, by the ids of vehicles."""
         self._map: str | None = None
+        """The OpenDRIVE document that the server is known to show."""
         self._is_blocked = False
-        self._before: Any = None
+        """True if bodies of the last scene stay until another road is loaded."""
+        self._earlier_settings: Any = None
         self._frame = 0
+        """Number of the last tick."""
         self._is_seen = False
+        """True if the last tick's picture was taken."""
         with self._calling("connect"):
             self._client = carla.Client(host, port, 1)  # One worker thread.
             self._client.set_timeout(timeout_s)
-            server, own = self._client.get_server_version(), self._client.get_client_version()
-        if (server, own) != (VERSION, VERSION):
+            server = self._client.get_server_version()
+            client = self._client.get_client_version()
+        if (server, client) != (VERSION, VERSION):
             raise SimulatorError(
-                f"the CARLA server at {address} has version {server}, the client {own}; both must be {VERSION}"
+                f"the CARLA server at {address} has version {server}, the client {client}; both must be {VERSION}"
             )
         with self._calling("get the world"):
             self._world = self._client.get_world()
             self._blueprints = self._world.get_blueprint_library()
 
     @contextmanager
-    def _calling(self, doing: str) -> Iterator[None]:
+    def _calling(self, purpose: str) -> Iterator[None]:
+        """Raise the client's errors as `SimulatorError`, with the purpose of the calls."""
         try:
             yield
         except RuntimeError as error:
             message = " ".join(str(error).split())[:300]
-            raise SimulatorError(f"CARLA at {self._address} failed to {doing}: {message}") from None
-
-    # ------------------------------------------------------------------ world
+            raise SimulatorError(
+                f"CARLA at {self._address} failed to {purpose}: {message}"
+            ) from None
 
     @property
     def blueprints(self) -> frozenset[str]:
@@ -118,12 +125,12 @@ class Connection:
                 with self._calling("load the road"):
                     self._world = self._client.generate_opendrive_world(text)
                     self._blueprints = self._world.get_blueprint_library()
-                self._before, self._is_blocked = None, False
+                self._earlier_settings, self._is_blocked = None, False
             self._map = text
         with self._calling("set the synchronous mode"):
             settings = self._world.get_settings()
-            if self._before is None:
-                self._before = self._world.get_settings()
+            if self._earlier_settings is None:
+                self._earlier_settings = self._world.get_settings()
             if not settings.synchronous_mode or settings.fixed_delta_seconds != dt:
                 settings.synchronous_mode, settings.fixed_delta_seconds = True, dt
                 self._world.apply_settings(settings)
@@ -133,7 +140,7 @@ class Connection:
         with self._calling("set the weather"):
             self._world.set_weather(self._carla.WeatherParameters(**weather._asdict()))
 
-    def clear(self, *, others: bool = False) -> None:
+    def clear(self, *, others: bool) -> None:
         """Destroy everything that this connection has spawned.
 
         Args:
@@ -141,13 +148,15 @@ class Connection:
         """
         with self._calling("remove the last scene"):
             self._follow_episode()
-            doomed = dict.fromkeys([*self._cameras.ids, *self._actors])
+            ids = dict.fromkeys([*self._cameras.ids, *self._actors])
             self._cameras.sleep()
             if others:
-                every = self._world.get_actors()
-                doomed |= dict.fromkeys(one.id for one in every if one.type_id.startswith(_BODIES))
-            if doomed:
-                commands = [self._carla.command.DestroyActor(number) for number in doomed]
+                actors = self._world.get_actors()
+                ids |= dict.fromkeys(
+                    actor.id for actor in actors if actor.type_id.startswith(_BODIES)
+                )
+            if ids:
+                commands = [self._carla.command.DestroyActor(actor_id) for actor_id in ids]
                 answers = self._client.apply_batch_sync(commands, False)
                 errors = [answer.error for answer in answers if answer.has_error()]
                 if any("not found" not in error for error in errors):
@@ -165,19 +174,17 @@ class Connection:
     def _forget(self) -> None:
         """Forget cameras and actors, which the server has lost or will lose."""
         self._cameras.forget()
-        self._actors, self._lit = [], {}
+        self._actors, self._lights = [], {}
 
     def close(self) -> None:
         """Destroy everything and restore the settings; a server that is gone needs neither."""
         try:
-            self.clear()
-            if self._before is not None:
+            self.clear(others=False)
+            if self._earlier_settings is not None:
                 with self._calling("restore the settings"):
-                    self._world.apply_settings(self._before)
+                    self._world.apply_settings(self._earlier_settings)
         except SimulatorError:
             pass
-
-    # ------------------------------------------------------------------ bodies
 
     def spawn(
         self, blueprint: str, pose: tuple[float, float, float, float], *, role: str, state: str
@@ -187,11 +194,11 @@ class Connection:
         Raises:
             RuntimeError: If the server refuses.
         """
-        chosen = self._blueprints.find(blueprint)
+        template = self._blueprints.find(blueprint)
         for name, value in (("role_name", role), ("state", state)):
-            if value and chosen.has_attribute(name):
-                chosen.set_attribute(name, value)
-        actor = self._world.spawn_actor(chosen, self._transform(pose, 0.0))
+            if value and template.has_attribute(name):
+                template.set_attribute(name, value)
+        actor = self._world.spawn_actor(template, self._transform(pose, 0.0))
         self._actors.append(actor.id)
         actor.set_simulate_physics(False)
         box = actor.bounding_box
@@ -208,16 +215,15 @@ class Connection:
     ) -> None:
         """Move all bodies, switch the lamps of vehicles, and take one tick."""
         command, commands = self._carla.command, []
-        for body, pose, speed, lit in zip(bodies, poses, speeds, lights, strict=True):
-            if self._lit.get(body.id, VehicleLight(0)) != lit and hasattr(
-                body.actor, "set_light_state"
-            ):
-                state = self._carla.VehicleLightState(int(lit))
+        for body, pose, speed, lamps in zip(bodies, poses, speeds, lights, strict=True):
+            is_changed = self._lights.get(body.id, VehicleLight(0)) != lamps
+            if is_changed and hasattr(body.actor, "set_light_state"):
+                state = self._carla.VehicleLightState(int(lamps))
                 commands.append(command.SetVehicleLightState(body.id, state))
-                self._lit[body.id] = lit
+                self._lights[body.id] = lamps
             yaw = pose[3]
             velocity = self._carla.Vector3D(speed * math.cos(yaw), -speed * math.sin(yaw), 0.0)
-            commands.append(command.ApplyTransform(body.id, self._transform(pose, body.lift)))
+            commands.append(command.ApplyTransform(body.id, self._transform(pose, body.lift_m)))
             commands.append(command.ApplyTargetVelocity(body.id, velocity))
         with self._calling("move the actors"):
             if not self._is_seen:
@@ -233,15 +239,13 @@ class Connection:
             self._frame = self._world.tick()
         self._is_seen = False
 
-    def _transform(self, pose: Sequence[float], lift: float) -> Any:
+    def _transform(self, pose: Sequence[float], lift_m: float) -> Any:
         x, y, z, yaw = pose
-        place = self._carla.Location(x, -y, z + lift)
-        return self._carla.Transform(place, self._carla.Rotation(yaw=-math.degrees(yaw)))
-
-    # ------------------------------------------------------------------ cameras
+        location = self._carla.Location(x, -y, z + lift_m)
+        return self._carla.Transform(location, self._carla.Rotation(yaw=-math.degrees(yaw)))
 
     def take(self, bodies: Sequence[ServerBody], camera: Camera) -> Frame:
-        """Return the picture of the last tick by a camera on the first body; another tick is taken if the cameras slept.
+        """Return the picture of the last tick by a camera on the first body; cameras that slept take another tick.
 
         Raises:
             SimulatorError: If no complete frame arrives.
@@ -254,14 +258,14 @@ class Connection:
             cameras.listen()
         if not is_awake:
             self._tick()
-        for _ in range(_TRIES):
-            pictures = cameras.pictures(self._frame, self._timeout_s / _TRIES)
+        for _ in range(_TICKS_PER_FRAME):
+            pictures = cameras.pictures(self._frame, self._timeout_s / _TICKS_PER_FRAME)
             if pictures is not None:
                 self._is_seen = True
                 ids, tags = [body.id for body in bodies], [body.tags for body in bodies]
                 return decode(pictures, camera, ids, tags)
             self._tick()
-        raise SimulatorError(f"CARLA at {self._address} lost {_TRIES} frames in a row")
+        raise SimulatorError(f"CARLA at {self._address} lost {_TICKS_PER_FRAME} frames in a row")
 
 
 def _load() -> Any:

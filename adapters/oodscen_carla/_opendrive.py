@@ -1,4 +1,4 @@
-"""OpenDRIVE as CARLA 0.9 reads it, without a change for other readers."""
+"""OpenDRIVE documents that CARLA 0.9 reads in full, and that other readers read as before."""
 
 import math
 import re
@@ -7,6 +7,8 @@ import numpy as np
 
 _ROAD = re.compile(r"""(<road\s(?:[^>]*?\s)?length=(["']))([^"']*)""")
 _HEADER = re.compile(r"<header\b([^>]*?)(/?)>", re.DOTALL)
+_LONGEST_M = 4096.0
+"""Length of the longest road that is changed, m: up to there, the step of 32-bit floats is at most 0.2 mm."""
 _REFERENCE = "<geoReference><![CDATA[+proj=tmerc +lat_0=0 +lon_0=0]]></geoReference>"
 
 
@@ -19,21 +21,20 @@ def for_carla(text: str) -> str:
     map without a geographic reference.
     """
     text = re.sub(r"\s*</?outlines\s*>", "", text)
-    text = _ROAD.sub(_reachable, text)
+    text = _ROAD.sub(_with_reachable_end, text)
     if "<geoReference" not in text:
-        text = _HEADER.sub(_referenced, text, count=1)
+        text = _HEADER.sub(_with_reference, text, count=1)
     return text
 
 
-def _reachable(road: "re.Match[str]") -> str:
+def _with_reachable_end(road: "re.Match[str]") -> str:
     """Return the beginning of a road whose end a 32-bit float can reach; at most 0.2 mm longer."""
-    before, _, given = road.groups()
+    before, _, text = road.groups()
     try:
-        length = float(given)
+        length = float(text)
     except ValueError:
         return road[0]
-    # CARLA's greatest roads are a few kilometres; the step of the floats there is 0.2 mm.
-    if not 0.0 < length < 4096.0:
+    if not 0.0 < length < _LONGEST_M:
         return road[0]
     end = np.float32(length)
     if float(end) < length:
@@ -42,7 +43,7 @@ def _reachable(road: "re.Match[str]") -> str:
     return f"{before}{float(end) + 0.25 * step!r}"
 
 
-def _referenced(header: "re.Match[str]") -> str:
+def _with_reference(header: "re.Match[str]") -> str:
     attributes, slash = header.groups()
     end = "</header>" if slash else ""
     return f"<header{attributes}>{_REFERENCE}{end}"

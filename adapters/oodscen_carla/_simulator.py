@@ -26,13 +26,13 @@ from oodscen_carla._weather import to_carla
 
 ADDRESS_VARIABLE = "OODSCEN_CARLA"
 """Environment variable with the server's `host:port`."""
-_ABOVE = 500.0
+_ABOVE_M = 500.0
 """Height above the road at which bodies are spawned, out of everything's way, m."""
-_APART = 50.0
+_APART_M = 50.0
 """Distance in height between two bodies that are spawned, m."""
 
 
-class _Shown(NamedTuple):
+class _ShownBody(NamedTuple):
     """One body on the server, and what its lamps depend on."""
 
     body: ServerBody
@@ -48,9 +48,8 @@ class CarlaSimulator(MirrorSimulator):
     The server shows the scenes: it gets the road as OpenDRIVE, a blueprint for every body, the
     poses of each step, the weather, and cameras for colour, depth and instances. Episodes therefore
     equal those of every other kinematic simulator. Everything is removed at the end, and the server's
-    settings return to what they were. The server is needed alone: bodies
-    of other clients are removed, too. The first scene connects; a server that was restarted is
-    found again by the next scene.
+    settings return to what they were. The server is needed alone: bodies of other clients are removed, too.
+    The first scene connects; a server that was restarted is found again by the next scene.
     """
 
     name = "carla"
@@ -77,7 +76,7 @@ class CarlaSimulator(MirrorSimulator):
         self._source = catalogue
         self._timeout_s = timeout_s
         self._connection: Connection | None = None
-        self._shown: list[_Shown] = []
+        self._shown: list[_ShownBody] = []
         self._scene: Scene | None = None
 
     @cached_property
@@ -108,8 +107,6 @@ class CarlaSimulator(MirrorSimulator):
             file: A path that ends in `.xodr`.
         """
         Path(file).write_text(self._connected().map_text(), encoding="utf-8")
-
-    # ------------------------------------------------------------------ MirrorSimulator
 
     def load(self, corridor: Corridor, scene: Scene, seed: int) -> None:
         """Remove the last scene, and set road, weather and clock.
@@ -145,44 +142,42 @@ class CarlaSimulator(MirrorSimulator):
         if name is None:
             raise SpawnError(actor_id, asset.id, pose, "the server has no blueprint of this kind")
         x, y, z, yaw = pose
-        above = (x, y, z + _ABOVE + _APART * len(self._shown), yaw)
+        above = (x, y, z + _ABOVE_M + _APART_M * len(self._shown), yaw)
         role = actor_id if self._shown else "hero"
         try:
             body = connection.spawn(name, above, role=role, state=state)
         except RuntimeError as error:
             raise SpawnError(actor_id, asset.id, pose, str(error)) from None
-        lights = (
-            VehicleLight.BRAKE if state == "brake" else LAMPS_OF_STATE.get(state, VehicleLight(0))
-        )
+        lights = LAMPS_OF_STATE.get(state, VehicleLight(0))
+        if state == "brake":
+            lights = VehicleLight.BRAKE
         waits = False
         if self._scene is not None:
             waits = waits_in_traffic(self._scene, actor_id)
             if has_lamps_on(self._scene, actor_id):
                 lights |= VehicleLight.POSITION | VehicleLight.LOW_BEAM
-        self._shown.append(_Shown(body, lights, waits))
+        self._shown.append(_ShownBody(body, lights, waits))
 
     def place(self, poses: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
         """Send poses, speeds and lights, and let the server take one tick."""
         lights = []
-        for one, speed, acceleration in zip(
+        for shown, speed, acceleration in zip(
             self._shown, speeds.tolist(), self.world.accelerations().tolist(), strict=True
         ):
-            is_stopping = is_braking(speed, acceleration, waits=one.waits)
-            lights.append(one.lights | VehicleLight.BRAKE if is_stopping else one.lights)
-        bodies = [one.body for one in self._shown]
+            is_stopping = is_braking(speed, acceleration, waits=shown.waits)
+            lights.append(shown.lights | VehicleLight.BRAKE if is_stopping else shown.lights)
+        bodies = [shown.body for shown in self._shown]
         self._open().place(bodies, poses.tolist(), speeds.tolist(), lights)
 
     def draw(self, camera: Camera) -> Frame:
         """Return what the cameras of the same tick show."""
-        return self._open().take([one.body for one in self._shown], camera)
+        return self._open().take([shown.body for shown in self._shown], camera)
 
     def release(self) -> None:
         """Remove everything, and give the server its settings back."""
         connection, self._connection, self._shown = self._connection, None, []
         if connection is not None:
             connection.close()
-
-    # ------------------------------------------------------------------ connection
 
     def _connected(self) -> Connection:
         """Return the connection, which the first call opens."""

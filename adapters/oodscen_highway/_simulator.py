@@ -43,11 +43,13 @@ class HighwaySimulator(RestorableSimulator):
         except ModuleNotFoundError:
             raise MissingExtra("the highway-env simulator", "highway", "highway_env") from None
         self._road = _traffic.road_of(staged, seed)
-        self._rows = [_traffic.placed(self._road, staged, body, self.dt) for body in staged.bodies]
+        self._rows = [
+            _traffic.add_body(self._road, staged, body, self.dt) for body in staged.bodies
+        ]
 
     def triggered(self, body: StagedScene.Body) -> None:
-        """Let an actor begin what it waited for."""
-        self._rows[self.staged.ids.index(body.id)].since = 0.0
+        """Start the time since an actor's trigger."""
+        self._rows[self.staged.ids.index(body.id)].since_s = 0.0
 
     def move(self, control: Control) -> None:
         """Let all drivers decide, then move all bodies."""
@@ -85,4 +87,7 @@ class HighwaySimulator(RestorableSimulator):
 
 def _copied(values: dict[str, Any]) -> dict[str, Any]:
     """Return a copy of a body's attributes that shares road and lane."""
-    return {k: v if k in ("road", "lane") else copy.copy(v) for k, v in values.items()}
+    return {
+        name: value if name in ("road", "lane") else copy.copy(value)
+        for name, value in values.items()
+    }

@@ -25,12 +25,16 @@ from highway_env.vehicle.objects import Landmark, Obstacle
 
 Locate = Callable[[float, float], tuple[float, float]]
 
-GRIP = 9.0
+GRIP_MPS2 = 9.0
 """Maximum braking on a dry road, m/s^2."""
 BESIDE_M = 0.3
 """Distance from the lane up to which drivers mind a body's middle, m."""
 EDGES = {1: ("start", "end"), -1: ("far", "near")}
 """Nodes of highway-env's network between which the lanes of each direction of travel lie."""
+_STOPPING_MPS2 = 2.5
+"""Braking in stop-and-go traffic, m/s^2."""
+_HEADWAY_S = 1.2
+"""Headway of drivers whose behaviour gives none, s."""
 _STANDING_MPS = 0.01
 """Speed up to which a driver that halts stands, m/s."""
 STRAIGHT_ON = having(lambda row: row.keeps_heading)
@@ -79,24 +83,24 @@ class CorridorLane(AbstractLane):  # type: ignore[misc]  # highway-env has no ty
 class HighwayActor(IDMVehicle):  # type: ignore[misc]
     """A moving body: highway-env's driver in its lane, or its bicycle straight on."""
 
-    since: float | None = None
+    since_s: float | None = None
     """Time since the trigger, s; `None` before."""
-    covered = 0.0
+    covered_m = 0.0
 
     def __init__(self, road: Road, body: StagedScene.Body, grip: float) -> None:
-        self.kind, self.given = body.behaviour, dict(body.parameters or {})
-        self.is_driving = self.kind not in STRAIGHT_ON
-        goal = self.given.get("speed", body.speed)
+        self.behaviour, self.parameters = body.behaviour, dict(body.parameters or {})
+        self.is_driving = self.behaviour not in STRAIGHT_ON
+        goal = self.parameters.get("speed", body.speed)
         super().__init__(road, body.pose[:2], body.pose[3], body.speed, enable_lane_change=False)
-        self.target_speed = -goal if self.kind == "reverse" else goal
+        self.target_speed = -goal if self.behaviour == "reverse" else goal
         edge = EDGES[body.direction]
         strips = [lane.strip for lane in road.network.graph[edge[0]][edge[1]]]
         self.lane_index = self.target_lane_index = (*edge, strips.index(body.lane))
         self.goal_index = (*edge, strips.index(body.goal_lane))
         self.LENGTH, self.grip = body.asset.length, grip
-        self.TIME_WANTED = self.given.get("headway", 1.2)
+        self.TIME_WANTED = self.parameters.get("headway", _HEADWAY_S)
         self.DISTANCE_WANTED = 2.0 + self.LENGTH
-        braking = self.given["deceleration"] if self.kind == "follow_lane" else grip
+        braking = self.parameters["deceleration"] if self.behaviour == "follow_lane" else grip
         self.ACC_MAX = min(braking, grip)
         self.pause_begins: float | None = None
         """Time at which a driver that halts begins to stand, s after its trigger; `None` before."""
@@ -108,10 +112,10 @@ class HighwayActor(IDMVehicle):  # type: ignore[misc]
 
     def act(self, action: Any = None) -> None:
         """Choose steering and acceleration."""
-        if self.since is not None and self.kind in CHANGES_LANE:
+        if self.since_s is not None and self.behaviour in CHANGES_LANE:
             self.target_lane_index = self.goal_index
             # highway-env's gain would jump aside; growing, it takes the time that the scene says.
-            gain = 4.5 * self.since / self.given["duration"] ** 2
+            gain = 4.5 * self.since_s / self.parameters["duration"] ** 2
             self.KP_LATERAL = min(gain, IDMVehicle.KP_LATERAL)
         super().act()
         if not self.is_driving:
@@ -123,39 +127,46 @@ class HighwayActor(IDMVehicle):  # type: ignore[misc]
         self.action["acceleration"] = chosen
 
     def _acceleration(self, following: float) -> float:
-        given, waited = self.given, self.since
-        match self.kind:
-            case "hard_brake" | "stall" if waited is not None:
-                return -given["deceleration"]
-            case "halt" if waited is not None:
-                has_paused = self._has_paused(waited)
-                return following if has_paused else min(-given["deceleration"], following)
-            case "stop_and_go" if waited is not None and waited / given["period"] % 1.0 < 0.5:
-                return min(-2.5, following)
+        parameters, since_s = self.parameters, self.since_s
+        match self.behaviour:
+            case "hard_brake" | "stall" if since_s is not None:
+                return -parameters["deceleration"]
+            case "halt" if since_s is not None:
+                has_paused = self._has_paused(since_s)
+                return following if has_paused else min(-parameters["deceleration"], following)
+            case "stop_and_go" if (
+                since_s is not None and since_s / parameters["period"] % 1.0 < 0.5
+            ):
+                return min(-_STOPPING_MPS2, following)
             case "wrong_way":
                 return float(self.speed_control(self.target_speed))
         if self.is_driving:
             return following
-        if waited is None and self.kind != "run_red":
+        if since_s is None and self.behaviour != "run_red":
             return 0.0
-        if self.covered >= given.get("distance", math.inf):
+        if self.covered_m >= parameters.get("distance", math.inf):
             return -math.inf
-        most: float = given.get("acceleration", float(self.COMFORT_ACC_MAX))
-        return float(np.clip(self.speed_control(self.target_speed), -most, most))
+        limit: float = parameters.get("acceleration", float(self.COMFORT_ACC_MAX))
+        return float(np.clip(self.speed_control(self.target_speed), -limit, limit))
 
-    def _has_paused(self, waited: float) -> bool:
+    def _has_paused(self, since_s: float) -> bool:
         """Return whether a driver that halts has stood for its pause, which begins no earlier than by its own braking."""
         if self.pause_begins is None and self.speed <= _STANDING_MPS:
-            self.pause_begins = max(waited, self.given["speed"] / self.given["deceleration"])
-        return self.pause_begins is not None and waited >= self.pause_begins + self.given["pause"]
+            self.pause_begins = max(
+                since_s, self.parameters["speed"] / self.parameters["deceleration"]
+            )
+        return (
+            self.pause_begins is not None
+            and since_s >= self.pause_begins + self.parameters["pause"]
+        )
 
     def step(self, dt: float) -> None:
         """Move by one step."""
         before = self.position.copy()
         super().step(dt)
-        self.covered += float(np.hypot(*(self.position - before)))
-        if self.since is not None:
-            self.since += dt
+        self.covered_m += float(np.hypot(*(self.position - before)))
+        if self.since_s is not None:
+            self.since_s += dt
 
 
 def road_of(staged: StagedScene, seed: int) -> Road:
@@ -169,18 +180,21 @@ def road_of(staged: StagedScene, seed: int) -> Road:
     return Road(network, np_random=np.random.RandomState(seed))
 
 
-def placed(road: Road, staged: StagedScene, body: StagedScene.Body, dt: float) -> Any:
-    """Return a body of the scene, which has been put on the road."""
-    place = (road, body.pose[:2], body.pose[3])
-    made: Any
+def add_body(road: Road, staged: StagedScene, body: StagedScene.Body, dt: float) -> Any:
+    """Put a body of the scene on the road, and return it in highway-env's terms."""
+    position, heading = body.pose[:2], body.pose[3]
+    row: Any
     if body.behaviour == "stand":
-        made = (Landmark if body.asset.is_passable(body.state) else Obstacle)(*place)
-        road.objects.append(made)
+        kind = Landmark if body.asset.is_passable(body.state) else Obstacle
+        row = kind(road, position, heading)
+        road.objects.append(row)
     else:
-        grip = GRIP * staged.scene.weather.friction
-        made = HighwayActor(road, body, grip) if body.behaviour else Vehicle(*place, body.speed)
-        road.vehicles.append(made)
-    made.LENGTH, made.WIDTH, made.dt = body.asset.length, body.asset.width, dt
-    made.MAX_SPEED = math.inf
-    made.collidable = False  # highway-env stops bodies that touch; here they move on.
-    return made
+        if body.behaviour:
+            row = HighwayActor(road, body, GRIP_MPS2 * staged.scene.weather.friction)
+        else:
+            row = Vehicle(road, position, heading, body.speed)
+        road.vehicles.append(row)
+    row.LENGTH, row.WIDTH, row.dt = body.asset.length, body.asset.width, dt
+    row.MAX_SPEED = math.inf
+    row.collidable = False  # highway-env stops bodies that touch; here they move on.
+    return row

@@ -15,6 +15,7 @@ from oodscen.errors import MissingExtra, SimulatorError
 
 _OPTIONS = ("--offset.disable-normalization", "true")
 """netconvert's options: coordinates stay as in the file."""
+_LONGEST_REASON = 500
 _TIMEOUT_S = 600.0
 """Time after which netconvert is ended, s."""
 
@@ -54,22 +55,23 @@ class Networks:
             SimulatorError: If netconvert cannot be started, fails, or takes too long.
         """
         if file not in self._files:
-            made = Path(self._folder) / f"{len(self._files)}.net.xml"
-            self._convert(file, made)
-            self._files[file] = made
+            network = Path(self._folder) / f"{len(self._files)}.net.xml"
+            self._convert(file, network)
+            self._files[file] = network
         return self._files[file]
 
-    def _convert(self, file: str, made: Path) -> None:
-        source = made.with_suffix(".xodr")
+    def _convert(self, file: str, network: Path) -> None:
+        source = network.with_suffix(".xodr")
         source.write_bytes(read_map(file))
-        command = [self._netconvert, "--opendrive-files", str(source), "-o", str(made), *_OPTIONS]
+        files = ["--opendrive-files", str(source), "-o", str(network)]
+        command = [self._netconvert, *files, *_OPTIONS]
         try:
-            done = subprocess.run(command, capture_output=True, check=False, timeout=_TIMEOUT_S)
+            process = subprocess.run(command, capture_output=True, check=False, timeout=_TIMEOUT_S)
         except OSError as error:
             raise SimulatorError(f"sumo: netconvert cannot be started: {error}") from None
         except subprocess.TimeoutExpired:
             message = f"sumo: netconvert has not ended after {_TIMEOUT_S:g} s with {file}"
             raise SimulatorError(message) from None
-        if done.returncode or not made.is_file():
-            said = one_line(done.stderr.decode("utf-8", "replace"))
-            raise SimulatorError(f"sumo: netconvert refuses {file}: {said[-500:]}")
+        if process.returncode or not network.is_file():
+            reason = one_line(process.stderr.decode("utf-8", "replace"))
+            raise SimulatorError(f"sumo: netconvert refuses {file}: {reason[-_LONGEST_REASON:]}")

@@ -16,17 +16,22 @@ from oodscen_sumo._catalogue import DRIVEN, load_catalogue
 from oodscen_sumo._network import Networks, load_sumo
 
 CHANGES_LANE = having(lambda row: row.plain_action == "lane_change")
-GRIP = 9.0
+GRIP_MPS2 = 9.0
 """Maximum braking on a dry road, m/s^2."""
-BRAKING, STOPPING = 4.5, 2.5
+_BRAKING_MPS2, _STOPPING_MPS2 = 4.5, 2.5
 """Braking of drivers without urgency, and in stop-and-go traffic, m/s^2."""
+_HEADWAY_S = 1.2
+"""Headway of drivers whose behaviour gives none, s."""
+_LEAST_SPEED_MPS = 0.1
+"""Least maximum speed of a driver, m/s: SUMO takes none of 0."""
 SIMULATION_OPTIONS = (
-    *("--no-step-log", "--no-warnings"),
+    "--no-step-log",
+    "--no-warnings",
     "--step-method.ballistic",
-    *("--time-to-teleport", "-1"),  # Nobody vanishes from a jam.
-    *("--lateral-resolution", "0.4"),  # Sublanes let drivers pass what leaves them room, m.
-    *("--collision.action", "none"),  # Bodies that touch move on.
-    *("--default.speeddev", "0"),
+    "--time-to-teleport=-1",  # Nobody vanishes from a jam.
+    "--lateral-resolution=0.4",  # Sublanes let drivers pass what leaves them room, m.
+    "--collision.action=none",  # Bodies that touch move on.
+    "--default.speeddev=0",
 )
 _ALL_CHECKS, _NO_CHECKS = 31, 0
 """SUMO's speed modes: drivers mind everything, and guided bodies nothing."""
@@ -36,7 +41,7 @@ _LATERAL_ACCELERATION = "10"
 """Maximum sideways acceleration, m/s^2, which leaves the limit to the lateral speed."""
 _LATERAL_PEAK = 1.3
 """Greatest lateral speed of a lane change relative to its mean."""
-_STANDING = 0.1
+_STANDING_MPS = 0.1
 """Speed up to which SUMO counts a vehicle as halting, m/s."""
 
 
@@ -50,7 +55,7 @@ class FrontBumper(NamedTuple):
 
     @classmethod
     def of(cls, x: float, y: float, yaw: float, *, length: float) -> "FrontBumper":
-        """Return the place of a body of this length whose centre and yaw are given."""
+        """Return the place of a body of this length whose centre and yaw are parameters."""
         half = 0.5 * length
         return cls(x + half * math.cos(yaw), y + half * math.sin(yaw), 90.0 - math.degrees(yaw))
 
@@ -79,7 +84,8 @@ class SumoSimulator(DynamicSimulator):
         self._rows: dict[str, int] = {}
         self._poses = np.zeros((0, 3))
         self._speeds = np.zeros(0)
-        self._grip = GRIP
+        self._grip = GRIP_MPS2
+        """Maximum braking on the road of the scene, m/s^2."""
         self._present: set[str] = set()
         """Ids of the bodies on SUMO's network."""
         self._pause_begins: dict[str, float] = {}
@@ -126,7 +132,7 @@ class SumoSimulator(DynamicSimulator):
         self._pause_begins = {}
         self._poses = np.array([body.pose for body in staged.bodies])[:, [0, 1, 3]]
         self._speeds = np.array([body.speed for body in staged.bodies])
-        self._grip = GRIP * scene.weather.friction
+        self._grip = GRIP_MPS2 * scene.weather.friction
         solid = [body for body in staged.bodies if not body.asset.is_passable(body.state)]
         for body in solid:
             self._add(body)
@@ -140,12 +146,12 @@ class SumoSimulator(DynamicSimulator):
     def triggered(self, body: StagedScene.Body) -> None:
         """Let a driver change lanes."""
         if body.behaviour in CHANGES_LANE and body.id in self._present:
-            road, given = self.staged.corridor, body.parameters or {}
+            road, parameters = self.staged.corridor, body.parameters or {}
             s, t = road.locate(*self._poses[self._rows[body.id], :2])
-            aside = road.centre(body.goal_lane, s) - t
-            fastest = _LATERAL_PEAK * abs(aside) / given["duration"]
-            self._sumo.vehicle.setMaxSpeedLat(body.id, fastest)
-            self._sumo.vehicle.changeSublane(body.id, aside * body.direction)
+            offset_m = road.centre(body.goal_lane, s) - t
+            lateral_speed = _LATERAL_PEAK * abs(offset_m) / parameters["duration"]
+            self._sumo.vehicle.setMaxSpeedLat(body.id, lateral_speed)
+            self._sumo.vehicle.changeSublane(body.id, offset_m * body.direction)
 
     def move(self, control: Control) -> None:
         """Advance the guided bodies, then SUMO's drivers, who see where the others are."""
@@ -155,9 +161,9 @@ class SumoSimulator(DynamicSimulator):
                 "it back, or give each scene a process of its own"
             )
         for body in self.staged.bodies[1:]:
-            waited = self.since(body.id)
-            if body.id in self._present and body.behaviour in DRIVEN and waited is not None:
-                self._drive(body, waited)
+            since_s = self.since(body.id)
+            if body.id in self._present and body.behaviour in DRIVEN and since_s is not None:
+                self._drive(body, since_s)
         assert self._guided is not None
         self._guided.step(control)
         self._guide(self._guided)
@@ -191,19 +197,19 @@ class SumoSimulator(DynamicSimulator):
     def _add(self, body: StagedScene.Body) -> None:
         """Put one body on the network, with a type of its own."""
         types, vehicles, name = self._sumo.vehicletype, self._sumo.vehicle, body.id
-        given, (x, y, _, yaw) = body.parameters or {}, body.pose
+        parameters, (x, y, _, yaw) = body.parameters or {}, body.pose
         types.copy("DEFAULT_VEHTYPE", name)
         types.setLength(name, body.asset.length)
         types.setWidth(name, body.asset.width)
-        types.setTau(name, given.get("headway", 1.2))
-        types.setMaxSpeed(name, max(given.get("speed", 0.0), 0.1))
+        types.setTau(name, parameters.get("headway", _HEADWAY_S))
+        types.setMaxSpeed(name, max(parameters.get("speed", 0.0), _LEAST_SPEED_MPS))
         types.setSpeedFactor(name, _SPEED_FACTOR)
         types.setImperfection(name, 0.0)
         types.setLateralAlignment(name, "arbitrary")
-        wished = given["deceleration"] if body.behaviour == "follow_lane" else GRIP
-        hardest = min(wished, self._grip)
-        types.setEmergencyDecel(name, hardest)
-        types.setDecel(name, min(BRAKING, hardest))
+        deceleration = parameters["deceleration"] if body.behaviour == "follow_lane" else GRIP_MPS2
+        deceleration = min(deceleration, self._grip)
+        types.setEmergencyDecel(name, deceleration)
+        types.setDecel(name, min(_BRAKING_MPS2, deceleration))
         self._sumo.route.add(name, [self._sumo.simulation.convertRoad(x, y)[0]])
         vehicles.add(name, name, name, departPos="0")
         vehicles.setLaneChangeMode(name, 0)
@@ -211,43 +217,45 @@ class SumoSimulator(DynamicSimulator):
         vehicles.setParameter(name, "laneChangeModel.lcAccelLat", _LATERAL_ACCELERATION)
         self._put(body, (x, y, yaw))
 
-    def _put(self, body: StagedScene.Body, place: Sequence[float]) -> None:
-        """Move a body to a place: x and y of its centre, m, and its yaw, rad."""
-        x, y, angle = FrontBumper.of(*place, length=body.asset.length)
+    def _put(self, body: StagedScene.Body, pose: Sequence[float]) -> None:
+        """Move a body to a pose: x and y of its centre, m, and its yaw, rad."""
+        x, y, angle = FrontBumper.of(*pose, length=body.asset.length)
         self._sumo.vehicle.moveToXY(body.id, "", -1, x, y, angle, keepRoute=2)
 
     def _guide(self, guided: KinematicWorld) -> None:
         """Put the ego and all bodies that are not drivers where the library has moved them."""
         poses, speeds = guided.poses()[:, [0, 1, 3]], guided.speeds()
-        for name, place, speed in zip(guided.ids, poses, speeds, strict=True):
+        for name, pose, speed in zip(guided.ids, poses, speeds, strict=True):
             row = self._rows[name]
-            self._poses[row], self._speeds[row] = place, speed
+            self._poses[row], self._speeds[row] = pose, speed
             if name in self._present:
-                self._put(self.staged.bodies[row], place.tolist())
+                self._put(self.staged.bodies[row], pose.tolist())
                 # Drivers take other guided bodies as standing: no speed along a lane says where they go.
                 self._sumo.vehicle.setSpeed(name, float(speed) if name == "ego" else 0.0)
 
-    def _drive(self, body: StagedScene.Body, waited: float) -> None:
-        """Brake or release a driver, `waited` seconds after its trigger."""
-        given = body.parameters or {}
+    def _drive(self, body: StagedScene.Body, since_s: float) -> None:
+        """Brake or release a driver some time after its trigger, s."""
+        parameters = body.parameters or {}
         match body.behaviour:
-            case "halt" if self._has_paused(body, waited):
+            case "halt" if self._has_paused(body, since_s):
                 braking = 0.0
             case "hard_brake" | "stall" | "halt":
-                braking = given["deceleration"]
+                braking = parameters["deceleration"]
             case "stop_and_go":
-                braking = STOPPING if waited / given["period"] % 1.0 < 0.5 else 0.0
+                braking = _STOPPING_MPS2 if since_s / parameters["period"] % 1.0 < 0.5 else 0.0
             case _:
                 return
-        self._sumo.vehicle.setDecel(body.id, min(braking or BRAKING, self._grip))
+        self._sumo.vehicle.setDecel(body.id, min(braking or _BRAKING_MPS2, self._grip))
         self._sumo.vehicle.setSpeed(body.id, 0.0 if braking else -1.0)
 
-    def _has_paused(self, body: StagedScene.Body, waited: float) -> bool:
+    def _has_paused(self, body: StagedScene.Body, since_s: float) -> bool:
         """Return whether a driver that halts has stood for its pause, which begins no earlier than by its own braking."""
-        given = body.parameters or {}
-        if body.id not in self._pause_begins and self._speeds[self._rows[body.id]] <= _STANDING:
-            self._pause_begins[body.id] = max(waited, given["speed"] / given["deceleration"])
-        return waited >= self._pause_begins.get(body.id, math.inf) + given["pause"]
+        parameters = body.parameters or {}
+        if body.id not in self._pause_begins and self._speeds[self._rows[body.id]] <= _STANDING_MPS:
+            self._pause_begins[body.id] = max(
+                since_s, parameters["speed"] / parameters["deceleration"]
+            )
+        return since_s >= self._pause_begins.get(body.id, math.inf) + parameters["pause"]
 
 
 def _field_of_side(body: StagedScene.Body) -> str:

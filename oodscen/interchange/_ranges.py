@@ -1,7 +1,7 @@
 """Logical scenarios: the parameters of a scene with ranges, and variants drawn from them."""
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from typing import Any
 
@@ -12,27 +12,29 @@ from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
-from oodscen.data._scene import CLEAR_AIR_M, MAX_TRIGGER, Scene
+from oodscen.data._scene import CLEAR_AIR_M, MAX_SPEED, MAX_TRIGGER, Actor, Scene
 from oodscen.driving._sight.placement import check_scene
 from oodscen.errors import DataError
 
 Path = tuple[str | int, ...]
+"""Keys that lead to a value in a scene's JSON value."""
 
 _SPREAD = 0.2
 """Widest range of a parameter, as a share of its value to either side."""
 _HALVINGS = 3
 """Number of times a range is halved before its parameter stays fixed."""
-_TRIES = 20
-_MOST = 100_000
-"""Draws for each variant that is asked for."""
-_DIGITS = 3
+_DRAWS_PER_VARIANT = 20
+_MAX_VARIANTS = 100_000
+_DECIMALS = 3
+_NEAREST_M, _FARTHEST_M = -150.0, 300.0
+"""Limits of an actor's place ahead of the ego, m."""
 
 
 class ParameterRange(Data):
     """One parameter of a scene, with the range within which its text stays true."""
 
     name: str
-    """Name in OpenSCENARIO files, e.g. `trigger_child`."""
+    """Name in OpenSCENARIO files, e.g. `trigger_child`; no two parameters of a scene have the same."""
     path: tuple[str | int, ...]
     """Place in the scene's JSON value."""
     value: float
@@ -49,19 +51,17 @@ def ranges(
     that fails is halved towards the scene's own value. A parameter without a range is left out.
     """
 
-    def holds(path: Path, value: float) -> bool:
+    def is_sound_at(path: Path, value: float) -> bool:
         return is_sound(changed(scene, {path: value}), catalogue, claims)
 
     if not is_sound(scene, catalogue, claims):
         return ()
-    parameter_ranges: list[ParameterRange] = []
-    for name, path, value, low, high in _parameters(scene, catalogue):
-        ends = [_end(value, end, partial(holds, path)) for end in (low, high)]
-        if ends[0] < ends[1]:
-            parameter_ranges.append(
-                ParameterRange(name=name, path=path, value=value, low=ends[0], high=ends[1])
-            )
-    return tuple(parameter_ranges)
+    narrowed = (
+        _narrowed(widest, partial(is_sound_at, widest.path))
+        for widest in _widest_ranges(scene, catalogue)
+        if widest.low < widest.high
+    )
+    return tuple(parameter for parameter in narrowed if parameter.low < parameter.high)
 
 
 @checked
@@ -74,23 +74,25 @@ def vary(
     seed: int = 0,
 ) -> list[Scene]:
     """Draw checked variants of a scene; `Scene.vary` tells arguments and result."""
-    count = whole_number("count", count, 1, _MOST)
-    parameters = ranges(scene, catalogue, claims)
-    own, mark, kind = scene.id.partition("~")  # The mark of an ordinary drive stays at the end.
+    count = whole_number("count", count, 1, _MAX_VARIANTS)
     draws = stream(seed_number(seed), "vary", scene.id)
-    scenes: list[Scene] = []
-    for _ in range(count * _TRIES):
-        if len(scenes) == count or not parameters:
+    parameters = ranges(scene, catalogue, claims)
+    if not parameters:
+        return []
+    stem, mark, kind = scene.id.partition("~")  # The mark of an ordinary drive stays at the end.
+    variants: list[Scene] = []
+    for _ in range(count * _DRAWS_PER_VARIANT):
+        if len(variants) == count:
             break
         values = {
-            parameter.path: round(float(draws.uniform(parameter.low, parameter.high)), _DIGITS)
+            parameter.path: round(float(draws.uniform(parameter.low, parameter.high)), _DECIMALS)
             for parameter in parameters
         }
-        variant = changed(scene, values, f"{own}.v{len(scenes) + 1:03d}{mark}{kind}")
-        if is_sound(variant, catalogue, claims):
-            assert variant is not None
-            scenes.append(variant)
-    return scenes
+        scene_id = f"{stem}.v{len(variants) + 1:03d}{mark}{kind}"
+        variant = changed(scene, values, scene_id)
+        if variant is not None and is_sound(variant, catalogue, claims):
+            variants.append(variant)
+    return variants
 
 
 def is_sound(scene: Scene | None, catalogue: Catalogue, claims: Sequence[Claim]) -> bool:
@@ -100,59 +102,85 @@ def is_sound(scene: Scene | None, catalogue: Catalogue, claims: Sequence[Claim])
     return not claims or not mismatches(check_claims(claims, scene, catalogue))
 
 
-def changed(scene: Scene, values: dict[Path, float], name: str | None = None) -> Scene | None:
+def changed(scene: Scene, values: dict[Path, float], scene_id: str | None = None) -> Scene | None:
     """Return a scene with some values replaced, or `None` if that is not a scene."""
-    data = scene.model_dump(mode="json")
+    data: dict[str, Any] = scene.model_dump(mode="json")
     for path, value in values.items():
-        place: Any = data
+        container: Any = data
         for key in path[:-1]:
-            place = place[key]
-        place[path[-1]] = value
-    if name is not None:
-        data["id"] = name
+            container = container[key]
+        container[path[-1]] = value
+    if scene_id is not None:
+        data["id"] = scene_id
     try:
         return Scene.parse(data)
     except DataError:
         return None
 
 
-def _end(value: float, end: float, holds: Callable[[float], bool]) -> float:
-    """Return the end of a range, drawn in until the scene holds there."""
+def _narrowed(widest: ParameterRange, is_sound_at: Callable[[float], bool]) -> ParameterRange:
+    """Return a range whose ends are drawn in until the scene is sound there."""
+    low, high = (_sound_end(widest.value, end, is_sound_at) for end in (widest.low, widest.high))
+    return widest.model_copy(update={"low": low, "high": high})
+
+
+def _sound_end(value: float, end: float, is_sound_at: Callable[[float], bool]) -> float:
     for _ in range(_HALVINGS):
-        if end == value or holds(end):
+        if end == value or is_sound_at(end):
             return end
-        end = round(0.5 * (value + end), _DIGITS)
+        end = round(0.5 * (value + end), _DECIMALS)
     return value
 
 
-def _parameters(scene: Scene, catalogue: Catalogue) -> list[tuple[str, Path, float, float, float]]:
-    """Return name, place, value and widest range of every parameter."""
-    found: list[tuple[str, Path, float, float, float]] = []
+def _widest(name: str, path: Path, value: float, least: float, most: float) -> ParameterRange:
+    """Return a range by shares of a parameter's value, within its limits."""
+    reach = _SPREAD * abs(value)
+    low, high = max(least, value - reach), min(most, value + reach)
+    return ParameterRange(
+        name=name, path=path, value=value, low=round(low, _DECIMALS), high=round(high, _DECIMALS)
+    )
 
-    def add(name: str, path: Path, value: float, low: float, high: float) -> None:
-        """Add a parameter with a range by shares of its value, within limits."""
-        reach = _SPREAD * abs(value)
-        ends = max(low, value - reach), min(high, value + reach)
-        found.append((name, path, value, round(ends[0], _DIGITS), round(ends[1], _DIGITS)))
 
+def _widest_ranges(scene: Scene, catalogue: Catalogue) -> Iterator[ParameterRange]:
     if scene.ego.speed > 0.0:
-        add("ego_speed", ("ego", "speed"), scene.ego.speed, 0.0, 45.0)
+        yield _widest("ego_speed", ("ego", "speed"), scene.ego.speed, 0.0, MAX_SPEED)
     weather, limits = scene.weather, catalogue.weather
     if weather.friction < 1.0:
-        add("friction", ("weather", "friction"), weather.friction, limits.min_friction, 1.0)
+        path = ("weather", "friction")
+        yield _widest("friction", path, weather.friction, limits.min_friction, 1.0)
     if weather.fog_visual_range_m < CLEAR_AIR_M:
-        path: Path = ("weather", "fog_visual_range_m")
-        least = limits.min_fog_visual_range_m
-        add("fog_visual_range", path, weather.fog_visual_range_m, least, CLEAR_AIR_M)
-    for index, actor in enumerate(scene.actors):
-        here, own = ("actors", index), re.sub(r"[^A-Za-z0-9_]", "_", actor.id)
-        add(f"ahead_{own}", (*here, "placement", "ahead_m"), actor.placement.ahead_m, -150, 300)
-        does, trigger = actor.behaviour, actor.behaviour.trigger
-        if does.parameters.get("speed", 0.0) > 0.0:
-            limit = catalogue.behaviour(does.name).parameters["speed"]
-            path = (*here, "behaviour", "parameters", "speed")
-            add(f"speed_{own}", path, does.parameters["speed"], limit.minimum, limit.maximum)
-        if trigger.value > 0.0:
-            path = (*here, "behaviour", "trigger", "value")
-            add(f"trigger_{own}", path, trigger.value, 0.0, MAX_TRIGGER)
-    return [one for one in found if one[3] < one[4]]
+        path = ("weather", "fog_visual_range_m")
+        least_m, range_m = limits.min_fog_visual_range_m, weather.fog_visual_range_m
+        yield _widest("fog_visual_range", path, range_m, least_m, CLEAR_AIR_M)
+    suffixes = _suffixes(actor.id for actor in scene.actors)
+    for index, (actor, suffix) in enumerate(zip(scene.actors, suffixes, strict=True)):
+        yield from _widest_of_actor(actor, ("actors", index), suffix, catalogue)
+
+
+def _widest_of_actor(
+    actor: Actor, path: Path, suffix: str, catalogue: Catalogue
+) -> Iterator[ParameterRange]:
+    ahead_m, behaviour = actor.placement.ahead_m, actor.behaviour
+    ahead_path = (*path, "placement", "ahead_m")
+    yield _widest(f"ahead_{suffix}", ahead_path, ahead_m, _NEAREST_M, _FARTHEST_M)
+    speed = behaviour.parameters.get("speed", 0.0)
+    if speed > 0.0:
+        limit = catalogue.behaviour(behaviour.name).parameters["speed"]
+        speed_path = (*path, "behaviour", "parameters", "speed")
+        yield _widest(f"speed_{suffix}", speed_path, speed, limit.minimum, limit.maximum)
+    if behaviour.trigger.value > 0.0:
+        trigger_path = (*path, "behaviour", "trigger", "value")
+        yield _widest(f"trigger_{suffix}", trigger_path, behaviour.trigger.value, 0.0, MAX_TRIGGER)
+
+
+def _suffixes(actor_ids: Iterable[str]) -> list[str]:
+    """Return a different suffix for the parameters of every actor, of the characters that their names may have."""
+    suffixes: list[str] = []
+    for actor_id in actor_ids:
+        plain = suffix = re.sub(r"[^A-Za-z0-9_]", "_", actor_id)
+        number = 2
+        while suffix in suffixes:
+            suffix = f"{plain}_{number}"
+            number += 1
+        suffixes.append(suffix)
+    return suffixes

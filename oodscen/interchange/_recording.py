@@ -1,6 +1,6 @@
-"""The courses of all bodies of a scene, as files can hold them."""
+"""Runs of a scene as arrays, for the files that hold the courses of its bodies."""
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,9 +25,9 @@ AFTER_S = 12.0
 _NEVER_S = MAX_TRIGGER
 """Time after the end of every run, s."""
 _DIFFERS_M = 1e-3
-"""Distance between two courses of an actor above which it minds the ego, m."""
-_DT = 0.05
-"""Time step of a recording of one state, s."""
+"""Distance between two courses of an actor above which they differ, m."""
+_STEP_OF_ONE_STATE_S = 0.05
+"""Time step of a run of one state, s."""
 
 
 class UnrenderedSimulator(MirrorSimulator):
@@ -40,7 +40,7 @@ class UnrenderedSimulator(MirrorSimulator):
         self._catalogue = catalogue
 
     def catalogue(self) -> Catalogue:
-        """Return the given catalogue."""
+        """Return the catalogue of the world."""
         return self._catalogue
 
     def load(self, corridor: Corridor, scene: Scene, seed: int) -> None:
@@ -82,7 +82,7 @@ class RecordedRun(Brief):
 
     @classmethod
     def of(
-        cls, states: Sequence[State], corridor: Corridor, decision_s: float | None = None
+        cls, states: Sequence[State], corridor: Corridor, decision_s: float | None
     ) -> "RecordedRun":
         """Collect states."""
         poses = np.array([state.poses for state in states])
@@ -103,7 +103,7 @@ class RecordedRun(Brief):
     @property
     def dt(self) -> float:
         """Seconds per step."""
-        return float(self.time[1] - self.time[0]) if len(self.time) > 1 else _DT
+        return float(self.time[1] - self.time[0]) if len(self.time) > 1 else _STEP_OF_ONE_STATE_S
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -152,56 +152,74 @@ def action_states(scene: Scene, simulator: Simulator, state: State, action: str)
 def reactions(scene: Scene, catalogue: Catalogue, seed: int) -> Reactions:
     """Record what a reactive file needs."""
     simulator = UnrenderedSimulator(catalogue)
-    nominal = _driven(scene, simulator, Cruise, seed)
-    fired = {name: simulator.world.motion(name).triggered for name in nominal.ids[1:]}
-    triggered = {name: round(time / nominal.dt) for name, time in fired.items() if time >= 0.0}
+    nominal = _driven(scene, simulator, Cruise(), seed)
+    triggered = _trigger_steps(nominal, simulator)
+    steps = len(nominal.time) - 1
+    untriggered = _without_triggers(scene)
+    has_early_movers = any(actor.behaviour.name in MOVES_BEFORE_TRIGGER for actor in scene.actors)
     reacting = {actor.id for actor in scene.actors if actor.behaviour.trigger.kind != "time"}
-    drivers = {actor.id for actor in scene.actors if actor.behaviour.name in MOVES_BEFORE_TRIGGER}
-    calm, steps, quiet = _calm(scene), len(nominal.time) - 1, nominal
-    if reacting and (drivers or _moved_by_others(scene)):
-        quiet = _driven(calm, simulator, Cruise, seed, steps)
-    elif reacting:
+    if not reacting:
+        quiet = nominal
+    elif has_early_movers or _has_actors_moved_by_others(scene):
+        quiet = _driven(untriggered, simulator, Cruise(), seed, steps)
+    else:
         quiet = _resting(nominal, reacting)
-    if not drivers:
+    if not has_early_movers:
         return Reactions(nominal, quiet, triggered, frozenset())
-    stopped = _driven(calm, simulator, lambda: action_driver("stop"), seed, steps)
-    mindful = _differing(quiet, stopped)
+    stopped = _driven(untriggered, simulator, action_driver("stop"), seed, steps)
+    mindful = _differing(quiet, stopped) - {"ego"}
     # A blind ego drives through whatever is ahead, which would then mind it.
-    ahead = [
-        row
-        for row, s in enumerate(quiet.places[0, :, 0])
-        if quiet.ids[row] in mindful and s > quiet.places[0, 0, 0]
-    ]
-    free = [row for row in ahead if quiet.ids[row] not in reacting]
-    nominal, quiet = _replaced(nominal, stopped, free), _replaced(quiet, stopped, ahead)
-    return Reactions(nominal, quiet, triggered, frozenset(mindful - {"ego"}))
+    ahead = _rows_ahead_of_ego(quiet, mindful)
+    without_reaction = [row for row in ahead if quiet.ids[row] not in reacting]
+    return Reactions(
+        _replaced(nominal, stopped, without_reaction),
+        _replaced(quiet, stopped, ahead),
+        triggered,
+        frozenset(mindful),
+    )
 
 
-def _moved_by_others(scene: Scene) -> bool:
+def _trigger_steps(run: RecordedRun, simulator: UnrenderedSimulator) -> dict[str, int]:
+    """Return the step at which each actor's trigger fired in a run that has just ended."""
+    times_s = {actor: simulator.world.motion(actor).triggered for actor in run.ids[1:]}
+    return {actor: round(time_s / run.dt) for actor, time_s in times_s.items() if time_s >= 0.0}
+
+
+def _has_actors_moved_by_others(scene: Scene) -> bool:
     """Return whether an actor follows another, or a motion that begins before its trigger."""
-    coming = {motion.id for motion in scene.motions if motion.begins == "moving"}
+    moving = {motion.id for motion in scene.motions if motion.begins == "moving"}
     return any(
-        actor.behaviour.other is not None or actor.behaviour.name in coming
+        actor.behaviour.other is not None or actor.behaviour.name in moving
         for actor in scene.actors
     )
 
 
-def _differing(one: RecordedRun, other: RecordedRun) -> set[str]:
-    """Return the bodies whose courses differ between two recordings."""
-    apart = np.abs(one.poses[:, :, :2] - other.poses[:, :, :2]).max(axis=(0, 2))
-    return {name for name, far in zip(one.ids, apart, strict=True) if far > _DIFFERS_M}
+def _differing(run: RecordedRun, other: RecordedRun) -> set[str]:
+    """Return the bodies whose courses differ between two runs."""
+    apart_m = np.abs(run.poses[:, :, :2] - other.poses[:, :, :2]).max(axis=(0, 2))
+    return {
+        body for body, distance_m in zip(run.ids, apart_m, strict=True) if distance_m > _DIFFERS_M
+    }
+
+
+def _rows_ahead_of_ego(run: RecordedRun, bodies: Collection[str]) -> list[int]:
+    """Return the rows of those of some bodies that start ahead of the ego."""
+    start_s_m = run.places[0, :, 0]
+    return [
+        row for row, body in enumerate(run.ids) if body in bodies and start_s_m[row] > start_s_m[0]
+    ]
 
 
 def _driven(
     scene: Scene,
     simulator: UnrenderedSimulator,
-    make: Callable[[], Driver],
+    driver: Driver,
     seed: int,
     steps: int | None = None,
 ) -> RecordedRun:
     """Record a drive, contacts or not, for some steps or by default to `AFTER_S` beyond the decision."""
     states = [simulator.reset(scene, seed)]
-    world, driver = simulator.world, make()
+    world = simulator.world
     decision_s: float | None = None
     last = steps if steps is not None else round((MAX_APPROACH_S + AFTER_S) / simulator.dt)
     while len(states) <= last:
@@ -213,30 +231,29 @@ def _driven(
     return RecordedRun.of(states, world.corridor, decision_s)
 
 
-def _replaced(recording: RecordedRun, other: RecordedRun, rows: Sequence[int]) -> RecordedRun:
-    """Return a recording with the courses of some bodies from another."""
-    return _with_courses(recording, rows, other.poses, other.speeds, other.places)
+def _replaced(run: RecordedRun, other: RecordedRun, rows: Sequence[int]) -> RecordedRun:
+    """Return a run with the courses of some bodies from another."""
+    return _with_courses(run, rows, other.poses, other.speeds, other.places)
 
 
-def _resting(recording: RecordedRun, names: Collection[str]) -> RecordedRun:
-    """Return a recording in which some actors never leave their start."""
-    rows = [row for row, name in enumerate(recording.ids) if name in names]
-    still = np.zeros_like(recording.speeds)
-    return _with_courses(recording, rows, recording.poses[:1], still, recording.places[:1])
+def _resting(run: RecordedRun, bodies: Collection[str]) -> RecordedRun:
+    """Return a run in which some bodies never leave their start."""
+    rows = [row for row, body in enumerate(run.ids) if body in bodies]
+    return _with_courses(run, rows, run.poses[:1], np.zeros_like(run.speeds), run.places[:1])
 
 
 def _with_courses(
-    recording: RecordedRun, rows: Sequence[int], poses: Floats, speeds: Floats, places: Floats
+    run: RecordedRun, rows: Sequence[int], poses: Floats, speeds: Floats, places: Floats
 ) -> RecordedRun:
-    """Return a recording with other courses of some bodies; one moment stands for all."""
-    given = {"poses": poses, "speeds": speeds, "places": places}
-    copies = {name: getattr(recording, name).copy() for name in given}
-    for name, values in given.items():
-        copies[name][:, rows] = values[:, rows]
-    return replace(recording, **copies)
+    """Return a run with other courses of some bodies; one step stands for all."""
+    new_poses, new_speeds, new_places = run.poses.copy(), run.speeds.copy(), run.places.copy()
+    new_poses[:, rows] = poses[:, rows]
+    new_speeds[:, rows] = speeds[:, rows]
+    new_places[:, rows] = places[:, rows]
+    return replace(run, poses=new_poses, speeds=new_speeds, places=new_places)
 
 
-def _calm(scene: Scene) -> Scene:
+def _without_triggers(scene: Scene) -> Scene:
     """Return the scene with triggers on the ego that never fire."""
     never = Trigger(kind="time", value=_NEVER_S)
     actors = []

@@ -7,6 +7,8 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+import numpy as np
+
 from oodscen._arguments import checked
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Asset, Catalogue, RoadMap
@@ -20,11 +22,11 @@ ONTOLOGY = "https://openlabel.asam.net/V1-0-0/ontologies/openlabel_ontology_scen
 
 _LOW_DEG = 10.0
 """Sun elevation below which light is low, degrees."""
-_CURVE = 1e-3
-"""Curvature from which a road bends, 1/m."""
+_BEND_PER_M = 1e-3
+"""Curvature above which a road bends, 1/m."""
 _SLOPE = 0.02
-"""Slope from which a road is not level."""
-_SEEN_M = 300.0
+"""Rise per metre above which a road is not level."""
+_ROAD_AHEAD_M = 300.0
 """Length of road ahead of the start that counts, m."""
 _KPH = 3.6
 
@@ -55,25 +57,48 @@ KNOWN_TAGS: dict[str, tuple[str, ...]] = {
     "scenery": (
         *_ROADS.values(),
         *_LANDMARKS.values(),
-        *("HorizontalCurves", "HorizontalStraights"),
-        *("LongitudinalUpSlope", "LongitudinalDownSlope", "LongitudinalLevelPlane"),
-        *("TransverseDivided", "TransverseUndivided", "TransversePavements"),
-        *("TravelDirectionRight", "LaneTypeTraffic", "EdgeShoulderPavedOrGravel"),
-        *("SurfaceConditionWet", "SurfaceConditionSnow"),
-        *("TemporaryStructureRoadWorks", "FixedStructureVegetation"),
+        "HorizontalCurves",
+        "HorizontalStraights",
+        "LongitudinalUpSlope",
+        "LongitudinalDownSlope",
+        "LongitudinalLevelPlane",
+        "TransverseDivided",
+        "TransverseUndivided",
+        "TransversePavements",
+        "TravelDirectionRight",
+        "LaneTypeTraffic",
+        "EdgeShoulderPavedOrGravel",
+        "SurfaceConditionWet",
+        "SurfaceConditionSnow",
+        "TemporaryStructureRoadWorks",
+        "FixedStructureVegetation",
     ),
     "environment": (
-        *("IlluminationDay", "DaySunElevation", "LowLightAmbient", "LowLightNight"),
-        *("IlluminationCloudiness", "WeatherRain", "WeatherSnow", "ParticulatesWater"),
+        "IlluminationDay",
+        "DaySunElevation",
+        "LowLightAmbient",
+        "LowLightNight",
+        "IlluminationCloudiness",
+        "WeatherRain",
+        "WeatherSnow",
+        "ParticulatesWater",
     ),
     "dynamic elements": (
-        *("SubjectVehicleSpeed", "RoadUserVehicle", *_VEHICLES.values(), "VehicleTrailer"),
-        *("VehicleEmergency", "RoadUserHuman", "HumanPedestrian", "HumanCyclist"),
-        *("HumanWheelchairUser", "RoadUserAnimal"),
+        "SubjectVehicleSpeed",
+        "RoadUserVehicle",
+        *_VEHICLES.values(),
+        "VehicleTrailer",
+        "VehicleEmergency",
+        "RoadUserHuman",
+        "HumanPedestrian",
+        "HumanCyclist",
+        "HumanWheelchairUser",
+        "RoadUserAnimal",
     ),
     "behaviour": (
         *dict.fromkeys(tag for row in BUILT_IN.values() for tag in row.tags),
-        *("MotionLaneChangeLeft", "MotionLaneChangeRight"),
+        "MotionLaneChangeLeft",
+        "MotionLaneChangeRight",
     ),
 }
 """Tags that a scene can have, by the areas of ISO 34503 and, for behaviour, ISO 34504, without those that hold values."""
@@ -86,16 +111,15 @@ def scene_tags(scene: Scene, catalogue: Catalogue) -> dict[str, float | None]:
     ontology has them.
     """
     road_map = find_map(scene.map, catalogue)
-    found: dict[str, float | None] = {}
-    found |= dict(_weather(scene.weather))
-    found |= dict.fromkeys(_road(road_map, load_corridor(road_map)))
-    found["subjectVehicleSpeedValue"] = round(_KPH * scene.ego.speed, 3)
-    found["SubjectVehicleSpeed"] = None
+    tags: dict[str, float | None] = dict(_weather_tags(scene.weather))
+    tags |= dict.fromkeys(_road_tags(road_map, load_corridor(road_map)))
+    tags["subjectVehicleSpeedValue"] = round(_KPH * scene.ego.speed, 3)
+    tags["SubjectVehicleSpeed"] = None
     catalogue = catalogue.for_scene(scene)
     for actor in scene.actors:
         asset = catalogue.asset(actor.asset)
-        found |= dict.fromkeys((*_road_user(asset), *_motion(actor, asset)))
-    return dict(sorted(found.items()))
+        tags |= dict.fromkeys((*_body_tags(asset), *_motion_tags(actor, asset)))
+    return dict(sorted(tags.items()))
 
 
 class TagCount(Data):
@@ -141,15 +165,15 @@ class TagCoverage(Data):
 
 def count_tags(scenes: Iterable[Scene], catalogue: Catalogue) -> TagCoverage:
     """Count the scenes that have each tag of `KNOWN_TAGS`."""
-    found: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     total = 0
     for scene in scenes:
-        found.update(scene_tags(scene, catalogue).keys())
+        counts.update(scene_tags(scene, catalogue).keys())
         total += 1
     rows = [
-        TagCount(tag=tag, area=area, scenes=found[tag])
+        TagCount(tag=tag, area=area, scenes=counts[tag])
         for area, tags in KNOWN_TAGS.items()
-        for tag in sorted(tags, key=lambda tag: (-found[tag], tag))
+        for tag in sorted(tags, key=lambda tag: (-counts[tag], tag))
     ]
     return TagCoverage(scenes=total, rows=tuple(rows))
 
@@ -164,8 +188,8 @@ def openlabel(scene: Scene, catalogue: Catalogue) -> dict[str, Any]:
             tag["tag_data"] = {"num": [{"type": "value", "val": value}]}
         tags[str(number)] = tag
     for name, text in (("scenarioUniqueReference", scene.id), ("scenarioName", scene.id)):
-        held = {"text": [{"type": "value", "val": text}]}
-        tags[str(len(tags))] = {"ontology_uid": "0", "type": name, "tag_data": held}
+        data = {"text": [{"type": "value", "val": text}]}
+        tags[str(len(tags))] = {"ontology_uid": "0", "type": name, "tag_data": data}
     return {
         "openlabel": {
             "metadata": {
@@ -179,14 +203,14 @@ def openlabel(scene: Scene, catalogue: Catalogue) -> dict[str, Any]:
     }
 
 
-_FALLING: Mapping[Precipitation, tuple[str, str, str]] = {
+_PRECIPITATION: Mapping[Precipitation, tuple[str, str, str]] = {
     "rain": ("WeatherRain", "weatherRainValue", "SurfaceConditionWet"),
     "snow": ("WeatherSnow", "weatherSnowValue", "SurfaceConditionSnow"),
 }
-"""Tags of the weather, of its amount and of the road's surface."""
+"""Tags of precipitation, of its amount and of the road's surface."""
 
 
-def _weather(weather: Weather) -> Iterator[tuple[str, float | None]]:
+def _weather_tags(weather: Weather) -> Iterator[tuple[str, float | None]]:
     yield "daySunElevationValue", weather.sun_elevation_deg
     if weather.sun_elevation_deg < DUSK_DEG:
         yield "LowLightNight", None
@@ -198,7 +222,7 @@ def _weather(weather: Weather) -> Iterator[tuple[str, float | None]]:
     yield "IlluminationCloudiness", None
     yield "illuminationCloudinessValue", round(8.0 * weather.cloud_cover)
     if weather.precipitation != "none":
-        weather_tag, value_tag, surface_tag = _FALLING[weather.precipitation]
+        weather_tag, value_tag, surface_tag = _PRECIPITATION[weather.precipitation]
         yield weather_tag, None
         yield value_tag, weather.precipitation_mm_h
         yield surface_tag, None
@@ -208,20 +232,20 @@ def _weather(weather: Weather) -> Iterator[tuple[str, float | None]]:
         yield "ParticulatesWater", None
 
 
-def _road(road_map: RoadMap, road: Corridor) -> Iterator[str]:
-    first, last = (int(s / road.step) for s in (road.start, road.start + _SEEN_M))
-    part = slice(first, last + 1)
+def _road_tags(road_map: RoadMap, road: Corridor) -> Iterator[str]:
+    first, last = (int(s / road.step) for s in (road.start, road.start + _ROAD_AHEAD_M))
+    ahead = slice(first, last + 1)
     yield from (tag for trait, tag in _ROADS.items() if trait in road_map.traits)
-    known = {*road_map.traits, *road_map.landmarks}
-    yield from (tag for word, tag in _LANDMARKS.items() if word in known)
-    is_bent = bool((abs(road.curvature[part]) > _CURVE).any())
+    words = {*road_map.traits, *road_map.landmarks}
+    yield from (tag for word, tag in _LANDMARKS.items() if word in words)
+    is_bent = bool((abs(road.curvature[ahead]) > _BEND_PER_M).any())
     yield "HorizontalCurves" if is_bent else "HorizontalStraights"
-    rise = (road.z[part][1:] - road.z[part][:-1]) / road.step
-    if rise.max(initial=0.0) > _SLOPE:
+    slopes = np.diff(road.z[ahead]) / road.step
+    if slopes.max(initial=0.0) > _SLOPE:
         yield "LongitudinalUpSlope"
-    if rise.min(initial=0.0) < -_SLOPE:
+    if slopes.min(initial=0.0) < -_SLOPE:
         yield "LongitudinalDownSlope"
-    if abs(rise).max(initial=0.0) <= _SLOPE:
+    if abs(slopes).max(initial=0.0) <= _SLOPE:
         yield "LongitudinalLevelPlane"
     yield "TransverseDivided" if "divided" in road_map.traits else "TransverseUndivided"
     if any(strip.kind == "sidewalk" for strip in road.strips):
@@ -232,8 +256,8 @@ def _road(road_map: RoadMap, road: Corridor) -> Iterator[str]:
         yield "EdgeShoulderPavedOrGravel"
 
 
-def _road_user(asset: Asset) -> Iterator[str]:
-    """Yield the kind of road user, or of temporary structure, that an asset is."""
+def _body_tags(asset: Asset) -> Iterator[str]:
+    """Yield the kind of road user, temporary structure or plant that an asset is."""
     kind, category = classified(asset)
     if kind == "Vehicle":
         yield "RoadUserVehicle"
@@ -253,12 +277,14 @@ def _road_user(asset: Asset) -> Iterator[str]:
         yield "FixedStructureVegetation"
 
 
-def _motion(actor: Actor, asset: Asset) -> Iterator[str]:
-    """Yield what a road user does; things that only lie there do nothing."""
+def _motion_tags(actor: Actor, asset: Asset) -> Iterator[str]:
+    """Yield the motion of an actor; objects that only lie there have none."""
     if classified(asset)[0] == "MiscObject" and actor.behaviour.name == "stand":
         return
     row = BUILT_IN.get(actor.behaviour.name)
-    yield from row.tags if row is not None else ()
-    if row is not None and row.plain_action == "lane_change":
+    if row is None:
+        return
+    yield from row.tags
+    if row.plain_action == "lane_change":
         is_left = actor.behaviour.parameters.get("lanes", 1.0) > 0.0
         yield "MotionLaneChangeLeft" if is_left else "MotionLaneChangeRight"

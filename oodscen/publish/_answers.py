@@ -1,7 +1,7 @@
 """Scoring answers to published questions, as the leaderboard of a study does."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from oodscen._arguments import checked
 from oodscen.errors import DataError, Issue, UsageError
@@ -33,34 +33,55 @@ def score_answers(answers: Iterable[tuple[Mapping[str, Any], str]]) -> dict[str,
         DataError: If a row lacks one of these, or its key is malformed.
         UsageError: If there is something else than pairs with a text, or a question is answered twice.
     """
-    asked: dict[str, dict[str, tuple[AnswerKey, dict[str, float]]]] = {}
+    answers_by_purpose: dict[str, dict[str, _ScoredAnswer]] = {}
     for pair in answers:
-        if not isinstance(pair, Sequence) or isinstance(pair, str) or len(pair) != 2:
-            raise UsageError(f"answers must be pairs of a row and a text, not {pair!r:.80}")
-        if not isinstance(pair[1], str):
-            raise UsageError(f"an answer must be a text, not {pair[1]!r:.80}")
-        key, purpose = _read(pair[0])
-        found = asked.setdefault(purpose, {})
-        if key.item in found:
+        row, text = _checked_pair(pair)
+        key, purpose = _key_and_purpose(row)
+        scored = answers_by_purpose.setdefault(purpose, {})
+        if key.item in scored:
             item = key.item.partition("/")[2]
-            fault = f"the question {purpose} about {item} is answered twice"
             raise UsageError(
-                f"{fault}; give one answer to each question, and score every repetition by itself"
+                f"the question {purpose} about {item} is answered twice; give one answer to each question, and score "
+                "every repetition by itself"
             )
-        verdict = key.verdict(purpose, pair[1])
-        found[key.item] = key, answer_values(verdict, key.episode)
+        values = answer_values(key.verdict(purpose, text), key.episode)
+        scored[key.item] = _ScoredAnswer(key, values)
     figures: dict[str, float] = {}
-    for purpose, found in sorted(asked.items()):
-        items = items_of([key for key, _ in found.values()])
-        values = {item: one for item, (_, one) in found.items()}
-        known = rates(items, AnswerColumns.of_values(items, values))
-        for figure in (name for task in TASKS[purpose] for name in FIGURES_OF_TASK[task]):
-            if (value := known[figure].value) is not None:
+    for purpose, scored in sorted(answers_by_purpose.items()):
+        figures |= _figures(purpose, scored)
+    return figures
+
+
+class _ScoredAnswer(NamedTuple):
+    """One answer as the figures count it."""
+
+    key: AnswerKey
+    values: dict[str, float]
+
+
+def _figures(purpose: str, scored: Mapping[str, _ScoredAnswer]) -> dict[str, float]:
+    """Return the figures of the tasks of one purpose that have a value; answers are given by item."""
+    items = items_of([answer.key for answer in scored.values()])
+    values = {item: answer.values for item, answer in scored.items()}
+    rate_of_figure = rates(items, AnswerColumns.of_values(items, values))
+    figures = {}
+    for task in TASKS[purpose]:
+        for figure in FIGURES_OF_TASK[task]:
+            value = rate_of_figure[figure].value
+            if value is not None:
                 figures[figure] = value
     return figures
 
 
-def _read(row: Mapping[str, Any]) -> tuple[AnswerKey, str]:
+def _checked_pair(pair: Any) -> tuple[Any, str]:
+    if not isinstance(pair, Sequence) or isinstance(pair, str) or len(pair) != 2:
+        raise UsageError(f"answers must be pairs of a row and a text, not {pair!r:.80}")
+    if not isinstance(pair[1], str):
+        raise UsageError(f"an answer must be a text, not {pair[1]!r:.80}")
+    return pair[0], pair[1]
+
+
+def _key_and_purpose(row: Any) -> tuple[AnswerKey, str]:
     """Return the key and the purpose of a row.
 
     The item of the key is below the name of its pair, since scenes of different data sets share ids.

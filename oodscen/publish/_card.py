@@ -16,15 +16,22 @@ from oodscen.judging._leaderboard.board import Leaderboard
 from oodscen.judging._leaderboard.requirements import FIGURES
 from oodscen.judging._leaderboard.rows import Rate
 from oodscen.judging._people import person
-from oodscen.publish._question_rows import TASKS, PublishedDrive, question_rows
+from oodscen.publish._question_rows import (
+    TASKS,
+    PublishedDrive,
+    labels_of_leaves,
+    question_rows,
+)
 from oodscen.publish._splits import SPLITS
 from oodscen.study._study import Study
 
 _PRIVATE = {"api_base", "baseline", "people", "servers"}
 """Fields of the configuration that name people, servers and files of the one who publishes."""
 
-_LISTED = 24
-"""Rows of figures in a card: judged models first."""
+_MAX_ROWS = 24
+"""Maximum number of rows of figures in a card: judged models come first."""
+_SIZES = ((10**3, "n<1K"), (10**4, "1K<n<10K"), (10**5, "10K<n<100K"), (10**6, "100K<n<1M"))
+"""Size categories of the Hub by the number of rows below which they hold."""
 
 
 def card(
@@ -36,7 +43,8 @@ def card(
 ) -> str:
     """Return the card as Markdown with the front matter that the Hub reads.
 
-    `board` is the study's leaderboard, if models were judged; `licence` is a name that the Hub knows, `hashes` the SHA-256 of the files by name.
+    `board` is the study's leaderboard, if models were judged; `licence` is a name that the Hub knows, and `hashes`
+    the SHA-256 of the files by name.
     """
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("oodscen", "publish"),
@@ -52,42 +60,45 @@ def card(
         info=study.info,
         config=study.config,
         configuration=canonical_json(study.config.model_dump(mode="json", exclude=_PRIVATE)),
-        splits=[_split(name, drives) for name in SPLITS if any(d.split == name for d in drives)],
+        splits=_splits(drives),
         figures=FIGURES,
         rows=_rows(board),
         tasks=TASKS,
         unanswerable=sum(row.best is None for drive in drives for row in question_rows(drive)),
         size=_size(len(drives) * len(TASKS)),
-        hashes=[(name, found) for name, found in hashes.items() if "/images/" not in name],
+        hashes=[(name, digest) for name, digest in hashes.items() if "/images/" not in name],
     )
 
 
 def _cell(value: object) -> str:
     """Return a text on one line without markup: no HTML, links, code or columns."""
-    said = html.escape(one_line(printable(str(value))), quote=False)
-    return re.sub(r"[\\`\[\]|]", r"\\\g<0>", said)
+    text = html.escape(one_line(printable(str(value))), quote=False)
+    return re.sub(r"[\\`\[\]|]", r"\\\g<0>", text)
+
+
+def _splits(drives: Sequence[PublishedDrive]) -> list[dict[str, Any]]:
+    """Return the numbers and kinds of the splits that have drives."""
+    drives_by_split = {name: [drive for drive in drives if drive.split == name] for name in SPLITS}
+    return [_split(name, within) for name, within in drives_by_split.items() if within]
 
 
 def _split(name: str, drives: Sequence[PublishedDrive]) -> dict[str, Any]:
-    own = [drive for drive in drives if drive.split == name]
-    labels = {
-        published_drive.asked.truth.leaf: published_drive.asked.truth.path[-1]
-        for published_drive in own
-        if published_drive.asked.truth.path
-    }
-    count = Counter(drive.kind for drive in own)
+    counts = Counter(drive.kind for drive in drives)
+    kinds = merge_kinds(labels_of_leaves(drive.asked for drive in drives))
     return {
         "name": name,
-        "drives": len(own),
-        "questions": len(own) * len(TASKS),
-        "kinds": sorted(option.label for option in merge_kinds(labels)),
-        **{kind: count[kind] for kind in ("rare", "twin", "demand")},
+        "drives": len(drives),
+        "questions": len(drives) * len(TASKS),
+        "kinds": sorted(kind.label for kind in kinds),
+        **{kind: counts[kind] for kind in ("rare", "twin", "demand")},
     }
 
 
 def _rows(board: Leaderboard | None) -> list[dict[str, Any]]:
     """Return the figures of judged models and references, by the names of requirements."""
-    own = [row for row in (board.standings if board else ()) if row.protocol == "ours"]
+    if board is None:
+        return []
+    rows = [row for row in board.standings if row.protocol == "ours"]
     return [
         {
             "model": "a person" if row.model.startswith(person("")) else row.model,
@@ -101,7 +112,7 @@ def _rows(board: Leaderboard | None) -> list[dict[str, Any]]:
             "safe": _share(row.control.safe),
             "needless": _share(row.control.needless),
         }
-        for row in own[:_LISTED]
+        for row in rows[:_MAX_ROWS]
     ]
 
 
@@ -116,7 +127,4 @@ def _share(rate: Rate) -> str:
 
 def _size(questions: int) -> str:
     """Return the size category of the Hub."""
-    for most, name in ((1_000, "n<1K"), (10_000, "1K<n<10K"), (100_000, "10K<n<100K")):
-        if questions < most:
-            return name
-    return "100K<n<1M"
+    return next((name for limit, name in _SIZES if questions < limit), "1M<n<10M")

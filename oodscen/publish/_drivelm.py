@@ -1,6 +1,6 @@
 """The questions in the JSON of DriveLM, with the pictures beside it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ from oodscen.publish._vlmevalkit import LETTERS
 CAMERA = "CAM_FRONT"
 PARTS = {"name-aspect": "perception", "choose-aspect": "perception", "choose-action": "planning"}
 """DriveLM's part of a scene's questions, by purpose."""
+_ALL_PARTS = ("perception", "prediction", "planning", "behavior")
 
 
 def write_drivelm(folder: Path, drives: Sequence[PublishedDrive]) -> None:
@@ -21,32 +22,33 @@ def write_drivelm(folder: Path, drives: Sequence[PublishedDrive]) -> None:
     """
     (folder / "images").mkdir(parents=True, exist_ok=True)
     for split in dict.fromkeys(drive.split for drive in drives):
-        found = {}
-        for drive in (
-            published_drive for published_drive in drives if published_drive.split == split
-        ):
-            rows = [row for row in question_rows(drive) if row.best is not None]
-            found[drive.name] = _scene(drive, rows, folder)
-        (folder / f"{split}.json").write_text(canonical_json(found) + "\n", encoding="utf-8")
+        scenes = {
+            drive.name: _scene(drive, folder / "images") for drive in drives if drive.split == split
+        }
+        (folder / f"{split}.json").write_text(canonical_json(scenes) + "\n", encoding="utf-8")
 
 
-def _scene(drive: PublishedDrive, asked: Sequence[QuestionRow], folder: Path) -> dict[str, Any]:
+def _scene(drive: PublishedDrive, images: Path) -> dict[str, Any]:
+    """Return a drive as a scene, after writing its pictures into a folder."""
     frames: dict[str, Any] = {}
     last = len(drive.images) - 1
     for number, image in enumerate(drive.images):
         name = f"{drive.name}-{number}"
-        (folder / "images" / f"{name}.jpg").write_bytes(image.read())
-        questions: dict[str, list[dict[str, Any]]] = {
-            part: [] for part in ("perception", "prediction", "planning", "behavior")
-        }
-        for row in asked if number == last else ():
-            questions[PARTS[row.purpose]].append(_question(row))
+        (images / f"{name}.jpg").write_bytes(image.read())
+        rows = question_rows(drive) if number == last else ()
         frames[name] = {
             "key_object_infos": {},
-            "QA": questions,
+            "QA": _questions(row for row in rows if row.best is not None),
             "image_paths": {CAMERA: f"images/{name}.jpg"},
         }
     return {"scene_description": "", "pair": drive.pair, "kind": drive.kind, "key_frames": frames}
+
+
+def _questions(rows: Iterable[QuestionRow]) -> dict[str, list[dict[str, Any]]]:
+    questions: dict[str, list[dict[str, Any]]] = {part: [] for part in _ALL_PARTS}
+    for row in rows:
+        questions[PARTS[row.purpose]].append(_question(row))
+    return questions
 
 
 def _question(row: QuestionRow) -> dict[str, Any]:
@@ -62,5 +64,5 @@ def _question(row: QuestionRow) -> dict[str, Any]:
         "con_down": None,
         "cluster": None,
         "layer": None,
-        "accepted": [LETTERS[place] for place in row.accepted],
+        "accepted": [LETTERS[index] for index in row.accepted],
     }

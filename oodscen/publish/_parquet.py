@@ -14,11 +14,11 @@ from oodscen.publish._question_rows import TASKS, PublishedDrive, question_rows
 
 GROUP = 32
 """Drives in a row group. Within one, the pictures of a drive are stored once for all its questions."""
-_PICTURES = 1 << 28
+_PICTURES_BYTES = 1 << 28
 """Bytes that the different pictures of a row group may have."""
 
 _TEXT = {"dtype": "string", "_type": "Value"}
-_WHOLE = {"dtype": "int32", "_type": "Value"}
+_INTEGER = {"dtype": "int32", "_type": "Value"}
 _NUMBER = {"dtype": "float64", "_type": "Value"}
 
 
@@ -33,7 +33,7 @@ QUESTIONS: dict[str, dict[str, Any]] = {
     "images": _list_of({"_type": "Image"}),
     "options": _list_of(_TEXT),
     "answer": _TEXT,
-    **dict.fromkeys(("accepted", "neutral"), _list_of(_WHOLE)),
+    **dict.fromkeys(("accepted", "neutral"), _list_of(_INTEGER)),
     "path": _list_of(_TEXT),
     "key": _TEXT,
 }
@@ -57,7 +57,7 @@ def write_questions(path: Path, drives: Sequence[PublishedDrive]) -> int:
     Raises:
         MissingExtra: If pyarrow is not installed.
     """
-    return _write(path, QUESTIONS, (_questions(part) for part in _parts(drives)))
+    return _write(path, QUESTIONS, (_questions(group) for group in _groups(drives)))
 
 
 def write_drives(path: Path, drives: Sequence[PublishedDrive], demands: dict[str, Scene]) -> int:
@@ -66,11 +66,11 @@ def write_drives(path: Path, drives: Sequence[PublishedDrive], demands: dict[str
     Raises:
         MissingExtra: If pyarrow is not installed.
     """
-    parts = ([_drive(drive, demands) for drive in part] for part in _parts(drives))
-    return _write(path, DRIVES, parts)
+    groups = ([_drive(drive, demands) for drive in group] for group in _groups(drives))
+    return _write(path, DRIVES, groups)
 
 
-def _parts(drives: Sequence[PublishedDrive]) -> Iterator[Sequence[PublishedDrive]]:
+def _groups(drives: Sequence[PublishedDrive]) -> Iterator[Sequence[PublishedDrive]]:
     return (drives[start : start + GROUP] for start in range(0, len(drives), GROUP))
 
 
@@ -106,8 +106,8 @@ def _questions(drives: Sequence[PublishedDrive]) -> list[dict[str, Any]]:
 
 
 def _drive(drive: PublishedDrive, demands: dict[str, Scene]) -> dict[str, Any]:
-    asked_drive, episode = drive.asked, drive.asked.episode
-    scene = demands.get(episode.scene_id, asked_drive.scene)
+    asked, episode = drive.asked, drive.asked.episode
+    scene = demands.get(episode.scene_id, asked.scene)
     labels = {name: episode.label(name) for name in as_offered(episode.actions)}
     return {
         "drive": drive.name,
@@ -116,12 +116,12 @@ def _drive(drive: PublishedDrive, demands: dict[str, Scene]) -> dict[str, Any]:
         "item": episode.scene_id,
         "map": scene.map if scene else "",
         "text": _text(drive, scene),
-        "path": list(asked_drive.truth.path),
+        "path": list(asked.truth.path),
         "ego_speed_mps": episode.ego_speed_mps,
-        "frame_times_s": list(asked_drive.shown.facts.times_s),
+        "frame_times_s": list(asked.shown.facts.times_s),
         "frame_sha256": [image.sha256 for image in drive.images],
         **{
-            label: [name for name, found in labels.items() if found == label]
+            label: [name for name, own_label in labels.items() if own_label == label]
             for label in ("safe", "marginal", "unsafe", "unavailable")
         },
         "best_action": episode.best_action or "",
@@ -137,37 +137,42 @@ def _text(drive: PublishedDrive, scene: Scene | None) -> str:
         return scene.demand.text if scene and scene.demand else ""
     if scenario is None:
         return ""
-    return (scenario.ordinary or "") if is_ordinary(drive.asked.episode.scene_id) else scenario.text
+    if is_ordinary(drive.asked.episode.scene_id):
+        return scenario.ordinary or ""
+    return scenario.text
 
 
 def _write(
-    path: Path, features: dict[str, dict[str, Any]], parts: Iterable[list[dict[str, Any]]]
+    path: Path, features: dict[str, dict[str, Any]], groups: Iterable[list[dict[str, Any]]]
 ) -> int:
+    """Write groups of rows, and return the number of rows."""
     try:
         import pyarrow as pa
         from pyarrow import parquet
     except ImportError:
         raise MissingExtra("a published data set", "publish", "pyarrow") from None
-
-    def kind(feature: dict[str, Any]) -> Any:
-        if feature["_type"] == "Sequence":
-            return pa.list_(kind(feature["feature"]))
-        if feature["_type"] == "Image":
-            return pa.struct({"bytes": pa.binary(), "path": pa.string()})
-        return {"string": pa.string(), "int32": pa.int32(), "float64": pa.float64()}[
-            feature["dtype"]
-        ]
-
     schema = pa.schema(
-        [(name, kind(feature)) for name, feature in features.items()],
+        [(name, _arrow_type(feature)) for name, feature in features.items()],
         metadata={"huggingface": json.dumps({"info": {"features": features}})},
     )
     count = 0
     path.parent.mkdir(parents=True, exist_ok=True)
     with parquet.ParquetWriter(
-        path, schema, compression="zstd", dictionary_pagesize_limit=_PICTURES
+        path, schema, compression="zstd", dictionary_pagesize_limit=_PICTURES_BYTES
     ) as writer:
-        for rows in parts:
+        for rows in groups:
             count += len(rows)
             writer.write_table(pa.Table.from_pylist(rows, schema=schema), row_group_size=len(rows))
     return count
+
+
+def _arrow_type(feature: dict[str, Any]) -> Any:
+    """Return the type of a column for a feature of the library `datasets`."""
+    import pyarrow as pa
+
+    if feature["_type"] == "Sequence":
+        return pa.list_(_arrow_type(feature["feature"]))
+    if feature["_type"] == "Image":
+        return pa.struct({"bytes": pa.binary(), "path": pa.string()})
+    types = {"string": pa.string(), "int32": pa.int32(), "float64": pa.float64()}
+    return types[feature["dtype"]]

@@ -16,7 +16,7 @@ from oodscen.publish._card import card
 from oodscen.publish._drivelm import write_drivelm
 from oodscen.publish._lmms_eval.tasks import write_tasks
 from oodscen.publish._parquet import write_drives, write_questions
-from oodscen.publish._question_rows import PublishedDrive, published_drives
+from oodscen.publish._question_rows import PublishedDrive, labels_of_leaves, published_drives
 from oodscen.publish._replacing import CARD, SUMS, names, replacing
 from oodscen.publish._splits import SPLITS, VALIDATION, splits
 from oodscen.publish._vlmevalkit import write_tsv
@@ -73,12 +73,8 @@ def publish(
     refuse_inside(folder)
     asked = asked_drives(study)
     board = study.leaderboard() if study.store.has("verdicts.jsonl") else None
-    labels = {
-        asked_drive.truth.leaf: asked_drive.truth.path[-1]
-        for asked_drive in asked
-        if asked_drive.truth.path
-    }
-    drives = published_drives(asked, splits(labels, share=validation, seed=study.config.seed))
+    split_of_leaf = splits(labels_of_leaves(asked), share=validation, seed=study.config.seed)
+    drives = published_drives(asked, split_of_leaf)
     if not drives:
         raise DataError("study", [Issue("", "no scene has frames")], source=str(study.folder))
     with writing(folder, StudyError), replacing(folder) as part:

@@ -1,7 +1,7 @@
 """The questions of a study as rows, with what their answers are scored by."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -81,11 +81,11 @@ class QuestionRow:
     answer: str
     """A right answer in the form asked for, as JSON; empty where no answer is right."""
     accepted: tuple[int, ...]
-    """Places of all right options."""
+    """Indices of all right options."""
     neutral: tuple[int, ...] = ()
-    """Places of the options that score neither way."""
+    """Indices of the options that score neither way."""
     best: int | None = None
-    """Place of the best option."""
+    """Index of the best option; `None` if none is right."""
 
     @property
     def purpose(self) -> str:
@@ -100,18 +100,18 @@ class QuestionRow:
     @property
     def stem(self) -> str:
         """The facts and the question without the options and without how to answer."""
-        facts, asked = paragraphs(self.prompt)[:2]
-        return f"{facts}\n\n{asked.split(_METHOD)[0].strip()}"
+        facts, question = paragraphs(self.prompt)[:2]
+        return f"{facts}\n\n{question.split(_METHOD)[0].strip()}"
 
 
 def question_rows(drive: PublishedDrive) -> Iterator[QuestionRow]:
     """Yield the three questions about a drive."""
-    yield _noticed(drive)
-    yield _chosen(drive)
-    yield _acted(drive)
+    yield _naming_row(drive)
+    yield _choosing_row(drive)
+    yield _acting_row(drive)
 
 
-def _noticed(drive: PublishedDrive) -> QuestionRow:
+def _naming_row(drive: PublishedDrive) -> QuestionRow:
     answers = drive.oracle
     answer = {"is_ood": answers.is_ood, "confidence": answers.confidence, "aspect": answers.aspect}
     right = 0 if answers.is_ood else 1
@@ -119,11 +119,9 @@ def _noticed(drive: PublishedDrive) -> QuestionRow:
     return QuestionRow(drive, prompt, YES_NO, canonical_json(answer), (right,), best=right)
 
 
-def _chosen(drive: PublishedDrive) -> QuestionRow:
+def _choosing_row(drive: PublishedDrive) -> QuestionRow:
     options, choice = drive.asked.options, drive.oracle.choice
-    right = tuple(
-        place for place, aspect_option in enumerate(options) if aspect_option.id == choice
-    )
+    right = tuple(index for index, option in enumerate(options) if option.id == choice)
     answer = canonical_json({"choice": right[0] + 1}) if right else ""
     return QuestionRow(
         drive,
@@ -135,15 +133,12 @@ def _chosen(drive: PublishedDrive) -> QuestionRow:
     )
 
 
-def _acted(drive: PublishedDrive) -> QuestionRow:
+def _acting_row(drive: PublishedDrive) -> QuestionRow:
     names = [option.id for option in OPTIONS]
-    known = [
-        (n, action_outcome)
-        for n, name in enumerate(names)
-        if (action_outcome := drive.asked.episode.actions.get(name))
-    ]
-    safe = tuple(n for n, outcome in known if outcome.safe)
-    neutral = tuple(n for n, outcome in known if outcome.marginal)
+    actions = drive.asked.episode.actions
+    outcomes = [(index, actions[name]) for index, name in enumerate(names) if name in actions]
+    safe = tuple(index for index, outcome in outcomes if outcome.safe)
+    neutral = tuple(index for index, outcome in outcomes if outcome.marginal)
     best = names.index(str(drive.oracle.action)) if safe else None
     return QuestionRow(
         drive,
@@ -154,6 +149,11 @@ def _acted(drive: PublishedDrive) -> QuestionRow:
         neutral,
         best,
     )
+
+
+def labels_of_leaves(asked: Iterable[AskedDrive]) -> dict[str, str]:
+    """Return the labels of the kinds of situation in some drives, by leaf of the tree."""
+    return {drive.truth.leaf: drive.truth.path[-1] for drive in asked if drive.truth.path}
 
 
 def published_drives(asked: list[AskedDrive], splits: Mapping[str, Split]) -> list[PublishedDrive]:

@@ -18,6 +18,9 @@ SUMS = "SHA256SUMS"
 CARD = "README.md"
 """The card, which people complete by hand."""
 
+_MAX_NAMED = 5
+"""Number of foreign files that an error names."""
+
 _PART = ".oodscen-part"
 """Folder, inside that of the data set, in which the new one is written."""
 
@@ -44,15 +47,15 @@ def replacing(folder: Path) -> Iterator[Path]:
         OSError: If a file cannot be written.
         UsageError: If a file of the data set was changed since it was written.
     """
-    paths = [path for path in (folder, *folder.parents) if not path.exists()]
+    new_folders = [path for path in (folder, *folder.parents) if not path.exists()]
     part = folder / _PART
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with locked(folder, "data set"):
             earlier = _earlier(folder)
             if others := set(names(folder)) - earlier:
-                foreign_first = sorted(others, key=lambda name: (_is_own(name), name))
-                raise FolderTaken(str(folder), foreign_first[:5])
+                foreign_first = sorted(others, key=lambda name: (_is_name_of_data_set(name), name))
+                raise FolderTaken(str(folder), foreign_first[:_MAX_NAMED])
             shutil.rmtree(part, ignore_errors=True)
             part.mkdir()
             try:
@@ -63,23 +66,24 @@ def replacing(folder: Path) -> Iterator[Path]:
             _move(part, folder, earlier)
             shutil.rmtree(part, ignore_errors=True)
     finally:
-        for path in paths:
+        for new_folder in new_folders:
             with suppress(OSError):
-                path.rmdir()
+                new_folder.rmdir()
 
 
 def names(folder: Path) -> list[str]:
     """Return the sorted names of all files and links below a folder, but not of the lock and the new data set."""
-    found = []
-    for place, folders, files in os.walk(folder):
-        if Path(place) == folder and _PART in folders:
+    paths: list[Path] = []
+    for parent, folders, files in os.walk(folder):
+        if Path(parent) == folder and _PART in folders:
             folders.remove(_PART)
-        links = [name for name in folders if Path(place, name).is_symlink()]
-        found += [Path(place, name).relative_to(folder).as_posix() for name in (*files, *links)]
-    return sorted(name for name in found if name != LOCK)
+        links = [name for name in folders if Path(parent, name).is_symlink()]
+        paths += [Path(parent, name) for name in (*files, *links)]
+    relative = (path.relative_to(folder).as_posix() for path in paths)
+    return sorted(name for name in relative if name != LOCK)
 
 
-def _is_own(name: str) -> bool:
+def _is_name_of_data_set(name: str) -> bool:
     """Return whether a file may be one of a data set, by its name."""
     return name == SUMS or re.fullmatch(_NAME, name) is not None
 
@@ -99,8 +103,8 @@ def _earlier(folder: Path) -> set[str]:
                 f"{path} was changed since it was published; nothing is overwritten: move it away, "
                 "or choose another folder"
             )
-    coming = _hashes(folder / _PART / SUMS)
-    return {*earlier, *coming, SUMS} if earlier or coming else set()
+    unmoved = _hashes(folder / _PART / SUMS)
+    return {*earlier, *unmoved, SUMS} if earlier or unmoved else set()
 
 
 def _hashes(sums: Path) -> dict[str, str]:
@@ -119,9 +123,9 @@ def _move(part: Path, folder: Path, earlier: set[str]) -> None:
     for name in sorted(earlier - set(new)):
         with suppress(ValueError, FileNotFoundError):
             inside(folder, name).unlink()
-            for place in Path(name).parents[:-1]:
+            for parent in Path(name).parents[:-1]:
                 with suppress(OSError):
-                    (folder / place).rmdir()
+                    (folder / parent).rmdir()
     (folder / SUMS).unlink(missing_ok=True)
     for name in new:
         target = folder / name

@@ -5,12 +5,23 @@ import csv
 from collections.abc import Sequence
 from pathlib import Path
 
-from oodscen.publish._question_rows import TASKS, PublishedDrive, question_rows
+from oodscen.publish._question_rows import TASKS, PublishedDrive, QuestionRow, question_rows
 
 LETTERS = "ABCDEFGH"
 COLUMNS = (
-    *("index", "image", "image_path", "question", *LETTERS, "answer"),
-    *("category", "l2-category", "split", "accepted", "neutral", "drive", "pair"),
+    "index",
+    "image",
+    "image_path",
+    "question",
+    *LETTERS,
+    "answer",
+    "category",
+    "l2-category",
+    "split",
+    "accepted",
+    "neutral",
+    "drive",
+    "pair",
 )
 """Columns of the file.
 
@@ -25,40 +36,42 @@ def write_tsv(path: Path, drives: Sequence[PublishedDrive]) -> None:
     A question about an action has several right answers; its `answer` is the best one.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    count = 0
+    index = 0
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS, delimiter="\t", lineterminator="\n", restval="")
         writer.writeheader()
         for drive in drives:
-            images, names, first = _images(drive), _names(drive), None
-            for row in question_rows(drive):
-                if row.best is None:
-                    continue
-                writer.writerow(
-                    {
-                        "index": count,
-                        "image": images if first is None else first,
-                        "image_path": names,
-                        "question": row.stem,
-                        **dict(zip(LETTERS, row.options, strict=False)),
-                        "answer": LETTERS[row.best],
-                        "category": TASKS[row.purpose][0],
-                        "l2-category": drive.kind,
-                        "split": drive.split,
-                        "accepted": "".join(LETTERS[place] for place in row.accepted),
-                        "neutral": "".join(LETTERS[place] for place in row.neutral),
-                        "drive": drive.name,
-                        "pair": drive.pair,
-                    }
-                )
-                first = count if first is None else first
-                count += 1
+            answerable = [row for row in question_rows(drive) if row.best is not None]
+            first = index
+            for row in answerable:
+                image = _images(drive) if index == first else first
+                writer.writerow({"index": index, "image": image, **_cells(row)})
+                index += 1
+
+
+def _cells(row: QuestionRow) -> dict[str, str]:
+    """Return the cells of a row but for its index and its pictures."""
+    assert row.best is not None
+    drive = row.drive
+    return {
+        "image_path": _image_names(drive),
+        "question": row.stem,
+        **dict(zip(LETTERS, row.options, strict=False)),
+        "answer": LETTERS[row.best],
+        "category": TASKS[row.purpose][0],
+        "l2-category": drive.kind,
+        "split": drive.split,
+        "accepted": "".join(LETTERS[index] for index in row.accepted),
+        "neutral": "".join(LETTERS[index] for index in row.neutral),
+        "drive": drive.name,
+        "pair": drive.pair,
+    }
 
 
 def _images(drive: PublishedDrive) -> str:
     return str([base64.b64encode(image.read()).decode() for image in drive.images])
 
 
-def _names(drive: PublishedDrive) -> str:
+def _image_names(drive: PublishedDrive) -> str:
     """Return the names under which VLMEvalKit saves the pictures: it encodes them again, without loss as PNG."""
     return str([f"{drive.name}-{number}.png" for number in range(len(drive.images))])

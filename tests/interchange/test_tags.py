@@ -14,10 +14,8 @@ def test_tags_agree_with_the_scene():
         assert ("RoadTypeMotorway" in tags) == (scene.map == "highway")
         assert ("LongitudinalUpSlope" in tags) == (scene.map == "rural_hill")
         assert ("SpecialStructureTunnel" in tags) == (scene.map == "tunnel")
-        people = [
-            actor for actor in scene.actors if catalogue().asset(actor.asset).category == "animal"
-        ]
-        assert ("RoadUserAnimal" in tags) == bool(people)
+        categories = {catalogue().asset(actor.asset).category for actor in scene.actors}
+        assert ("RoadUserAnimal" in tags) == ("animal" in categories)
         assert sum(tag in tags for tag in ("HorizontalCurves", "HorizontalStraights")) == 1
 
 
@@ -28,22 +26,22 @@ def test_every_behaviour_that_moves_a_road_user_has_its_tags():
 def test_a_document_has_every_tag_once_with_its_value():
     for scene in SCENES:
         body = openlabel(scene, catalogue())["openlabel"]
-        tags = {one["type"]: one for one in body["tags"].values()}
+        tags = {tag["type"]: tag for tag in body["tags"].values()}
         assert len(tags) == len(body["tags"])
         assert {tag["ontology_uid"] for tag in tags.values()} == set(body["ontologies"])
         for name, value in scene_tags(scene, catalogue()).items():
-            held = tags[name].get("tag_data", {"num": [{"val": None}]})
-            assert held["num"][0]["val"] == value
+            data = tags[name].get("tag_data", {"num": [{"val": None}]})
+            assert data["num"][0]["val"] == value
 
 
 def test_every_tag_is_known_and_counted_once_per_scene():
-    found = [scene_tags(scene, catalogue()) for scene in SCENES]
+    tags_of_scenes = [scene_tags(scene, catalogue()) for scene in SCENES]
     known = [tag for tags in KNOWN_TAGS.values() for tag in tags]
     assert len(known) == len(set(known))
-    assert {tag for tags in found for tag in tags if tag[0].isupper()} <= set(known)
+    assert {tag for tags in tags_of_scenes for tag in tags if tag[0].isupper()} <= set(known)
     counted = count_tags(SCENES, catalogue())
     assert counted.scenes == len(SCENES)
     for row in counted.rows:
-        assert row.scenes == sum(row.tag in tags for tags in found)
+        assert row.scenes == sum(row.tag in tags for tags in tags_of_scenes)
     missing = {row.tag for row in counted.holes}
     assert all((f"  {tag} " in str(counted)) != (tag in missing) for tag in known)

@@ -1,3 +1,4 @@
+import functools
 import json
 import re
 import shutil
@@ -294,6 +295,15 @@ def test_no_broken_file_stops_the_page(study: Study, name: str) -> None:
         assert "</html>" in study.write_report().read_text(encoding="utf-8")
 
 
+def _overwritten(value: str, table: str) -> str:
+    """Return a table with a value in place of everything that a model may have written."""
+    return re.sub(
+        r'("(?:text|reason|error|model|aspect|action|purpose|source|reasoning|contradiction|choice)":)"[^"]+"',
+        lambda match: f'{match[1]}"{value}"',
+        table,
+    )
+
+
 def test_what_models_wrote_is_escaped(study: Study) -> None:
     quoted = json.dumps(HOSTILE)[1:-1]
     written = dict.fromkeys(TABLES.values(), quoted + NUL)
@@ -308,15 +318,7 @@ def test_what_models_wrote_is_escaped(study: Study) -> None:
         "calls.jsonl",
         "scenes.jsonl",
     ):
-        edit(
-            study,
-            name,
-            lambda text: re.sub(
-                r'("(?:text|reason|error|model|aspect|action|purpose|source|reasoning|contradiction|choice)":)"[^"]+"',
-                lambda found, name=name: f'{found[1]}"{written[name]}"',
-                text,
-            ),
-        )
+        edit(study, name, functools.partial(_overwritten, written[name]))
     label = quoted.split("\\u0000")[0]
     for name in ("tree.initial.json", "tree.diverse.json", "tree.simulatable.json"):
         edit(study, name, lambda text: text.replace("Vehicle driving the wrong way", label))

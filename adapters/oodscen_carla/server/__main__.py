@@ -21,10 +21,12 @@ def main() -> None:
     parser.add_argument("--simulator", default="pybullet", help="draws the pictures")
     parser.add_argument("--seed", type=int, default=0, help="of motion, scenery and paints")
     parser.add_argument("--scenes", type=Path, help="file with one scene per line")
-    given = parser.parse_args()
+    options = parser.parse_args()
     try:
-        scenes = _scenes(given.scenes) if given.scenes else []
-        with serve(scenes, port=given.port, simulator=given.simulator, seed=given.seed) as server:
+        scenes = _scenes(options.scenes) if options.scenes else []
+        with serve(
+            scenes, port=options.port, simulator=options.simulator, seed=options.seed
+        ) as server:
             print(server.port, flush=True)
             for line in sys.stdin:
                 print(_answer(server.faults, line), flush=True)

@@ -143,5 +143,5 @@ class ServerActor:
             self.id,
         ]
         tags = bytes([self.blueprint.tag]) if self.blueprint.tag else b""
-        given = [list(attribute) for attribute in attributes]
-        return [self.id, self.parent, [uid, type_id, given], box, tags, token]
+        values = [list(attribute) for attribute in attributes]
+        return [self.id, self.parent, [uid, type_id, values], box, tags, token]

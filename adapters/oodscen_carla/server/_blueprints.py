@@ -51,8 +51,15 @@ SPECTATOR = "spectator"
 
 _LENS = ("lens_circle_multiplier", "lens_circle_falloff", "lens_k", "lens_kcube")
 _EFFECTS = (
-    *("gamma", "iso", "shutter_speed", "fstop", "bloom_intensity", "lens_flare_intensity"),
-    *("motion_blur_intensity", "chromatic_aberration_intensity", "exposure_compensation"),
+    "gamma",
+    "iso",
+    "shutter_speed",
+    "fstop",
+    "bloom_intensity",
+    "lens_flare_intensity",
+    "motion_blur_intensity",
+    "chromatic_aberration_intensity",
+    "exposure_compensation",
 )
 _CAR, _TRUCK, _BUS, _TRAM, _MOTORCYCLE, _BICYCLE, _STATIC = 14, 15, 16, 17, 18, 19, 20
 """Semantic tags: `carla.CityObjectLabel`."""
@@ -69,8 +76,14 @@ _BASE_TYPES = {
 }  # fmt: skip
 """`base_type` of vehicles by semantic tag; scripts choose their traffic by it."""
 _NOT_TRAFFIC = (
-    *("overturned", "wreck", "burn", "trailer"),
-    *("tractor", "excavator", "forklift", "road_roller"),
+    "overturned",
+    "wreck",
+    "burn",
+    "trailer",
+    "tractor",
+    "excavator",
+    "forklift",
+    "road_roller",
 )
 """Words of vehicles without a `base_type`."""
 
@@ -98,14 +111,14 @@ class Blueprint:
         # Scripts draw a colour at random from the recommended ones, so there has to be one.
         attributes = [
             [
-                one.name,
-                one.kind,
-                one.default,
-                [one.default] if one.kind == COLOUR else [],
-                one.is_free,
+                attribute.name,
+                attribute.kind,
+                attribute.default,
+                [attribute.default] if attribute.kind == COLOUR else [],
+                attribute.is_free,
                 False,
             ]
-            for one in self.attributes
+            for attribute in self.attributes
         ]
         return [uid, self.id, self.id.replace(".", ","), attributes]
 
@@ -151,11 +164,11 @@ class BlueprintLibrary:
 def _tag(asset: Asset) -> int:
     """Return the semantic tag of a body; that of a vehicle goes by the words in its id and tags."""
     if asset.category == "vehicle":
-        words = {asset.id, *asset.tags}
-        return next(
-            (tag for word, tag in _TAG_OF_WORD.items() if any(word in one for one in words)),
-            _CAR,
-        )
+        names = {asset.id, *asset.tags}
+        for word, tag in _TAG_OF_WORD.items():
+            if any(word in name for name in names):
+                return tag
+        return _CAR
     return _TAGS.get(asset.category, _STATIC)
 
 
@@ -183,8 +196,8 @@ def _body_attributes(name: str, asset: Asset) -> tuple[Attribute, ...]:
 
 def _is_traffic(asset: Asset) -> bool:
     """Return whether a vehicle is traffic, and no wreck, trailer or machine."""
-    words = {asset.id, *asset.tags}
-    return not any(one in word for word in words for one in _NOT_TRAFFIC)
+    names = {asset.id, *asset.tags}
+    return not any(word in name for name in names for word in _NOT_TRAFFIC)
 
 
 def _sensor_attributes(name: str) -> tuple[Attribute, ...]:
@@ -194,10 +207,12 @@ def _sensor_attributes(name: str) -> tuple[Attribute, ...]:
         return role, *(Attribute(size, FLOAT, "1.0") for size in sizes)
     if not name.startswith("sensor."):
         return (role,)
-    every = Attribute("sensor_tick", FLOAT, "0.0")
+    interval = Attribute("sensor_tick", FLOAT, "0.0")
     if name not in CAMERAS:
-        return role, every
-    is_rgb = name == "sensor.camera.rgb"
-    lens = [Attribute(one, FLOAT, "0.0") for one in (*_LENS, *(_EFFECTS if is_rgb else ()))]
-    extra = [Attribute("enable_postprocess_effects", BOOL, "true")] if is_rgb else []
-    return role, every, *PICTURE, *lens, *extra
+        return role, interval
+    lens = tuple(Attribute(effect, FLOAT, "0.0") for effect in _LENS)
+    if name != "sensor.camera.rgb":
+        return role, interval, *PICTURE, *lens
+    effects = tuple(Attribute(effect, FLOAT, "0.0") for effect in _EFFECTS)
+    postprocess = Attribute("enable_postprocess_effects", BOOL, "true")
+    return role, interval, *PICTURE, *lens, *effects, postprocess

@@ -14,7 +14,7 @@ from oodscen.protocols import Camera, Frame
 
 Pose = tuple[float, float, float, float]
 
-_AWAY = 5_000.0
+_AWAY_M = 5_000.0
 """Distance at which a stand-in waits where a picture has no vehicle of its own, m."""
 
 
@@ -81,8 +81,8 @@ class CameraRenderer:
 
     def __init__(self, renderer: BodyRenderer) -> None:
         self._renderer = renderer
-        self._cast: object = None
-        """The scene, the seed and the looks that the simulator has loaded."""
+        self._loaded: object = None
+        """The scene, the seed and the looks of bodies that the simulator has loaded."""
 
     def close(self) -> None:
         """Release the simulator."""
@@ -108,7 +108,9 @@ class CameraRenderer:
             has_host: Whether the first body carries the camera.
         """
         road = load_corridor(scene.map, self._renderer.catalogue())
-        shown = [*([] if has_host else [self._stand_in(view.mount, road)]), *bodies]
+        shown = list(bodies)
+        if not has_host:
+            shown.insert(0, self._stand_in(view.mount, road))
         self._load(scene, seed, road, shown)
         self._renderer.place(
             np.array([body.pose for body in shown], np.float64),
@@ -127,25 +129,17 @@ class CameraRenderer:
         """Return the ego of a picture that has none: far behind the camera, out of sight."""
         x, y, _, yaw = mount
         ground = road.point(road.locate(x, y)[0], 0.0)[2]
-        pose = (x - _AWAY * math.cos(yaw), y - _AWAY * math.sin(yaw), ground, 0.0)
+        pose = (x - _AWAY_M * math.cos(yaw), y - _AWAY_M * math.sin(yaw), ground, 0.0)
         return PicturedBody(0, "ego", self._renderer.catalogue().ego, "", pose, 0.0, 0.0)
 
     def _load(self, scene: Scene, seed: int, road: Corridor, shown: Sequence[PicturedBody]) -> None:
         """Load the scene and its bodies, unless the last picture showed the same."""
-        cast = (
-            scene,
-            seed,
-            tuple((body.key, body.name, body.asset.id, body.state) for body in shown),
-        )
-        if cast == self._cast:
+        looks = tuple((body.key, body.name, body.asset.id, body.state) for body in shown)
+        if (scene, seed, looks) == self._loaded:
             return
-        self._cast = None
+        self._loaded = None
         self._renderer.load(road, scene, seed)
-        for row, pictured_body in enumerate(shown):
-            self._renderer.spawn(
-                pictured_body.name if row else "ego",
-                pictured_body.asset,
-                pictured_body.state,
-                pictured_body.pose,
-            )
-        self._cast = cast
+        for row, body in enumerate(shown):
+            name = body.name if row else "ego"
+            self._renderer.spawn(name, body.asset, body.state, body.pose)
+        self._loaded = (scene, seed, looks)

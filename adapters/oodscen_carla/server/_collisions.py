@@ -64,10 +64,10 @@ def _contacts(
 
 def _near(solid: Sequence[ServerActor], cars: Sequence[int]) -> NDArray[np.bool_]:
     """Return which bodies may touch which cars, by their distance: [cars, bodies]."""
-    at = np.array([actor.place.location for actor in solid])
-    reach = np.array([math.hypot(*actor.blueprint.extent[:2]) for actor in solid])
-    apart = np.hypot(*(at[cars, None, axis] - at[None, :, axis] for axis in (0, 1)))
-    return np.asarray(apart <= reach[cars][:, None] + reach[None, :])
+    places = np.array([actor.place.location for actor in solid])
+    radii = np.array([math.hypot(*actor.blueprint.extent[:2]) for actor in solid])
+    distances = np.hypot(*(places[cars, None, axis] - places[None, :, axis] for axis in (0, 1)))
+    return np.asarray(distances <= radii[cars][:, None] + radii[None, :])
 
 
 def _touch(car: ServerActor, other: ServerActor, touched: frozenset[str]) -> bool:

@@ -41,8 +41,8 @@ _MAX_AFTER = 32
 
 def run_batch(calls: "Calls", commands: Any) -> list[Any]:
     """Run commands in order and return the response of each: the actor's id, or an error."""
-    given = read.items(commands, "a batch", longest=_MAX_COMMANDS)
-    return [_answer(calls, command) for command in given]
+    checked = read.items(commands, "a batch", longest=_MAX_COMMANDS)
+    return [_answer(calls, command) for command in checked]
 
 
 def _answer(calls: "Calls", command: Any) -> list[Any]:
@@ -52,13 +52,13 @@ def _answer(calls: "Calls", command: Any) -> list[Any]:
         return [[0, [str(error)]]]
 
 
-def _run(calls: "Calls", command: Any, new: int) -> int:
+def _run(calls: "Calls", command: Any, spawned: int) -> int:
     """Run one command and return the id of its actor.
 
     Args:
         calls: The procedures.
         command: The place in the variant, and the values.
-        new: Id of the actor that was just spawned, which id 0 stands for.
+        spawned: Id of the actor that was just spawned, for which id 0 stands.
     """
     (variant,) = read.items(command, "a command", 1)
     kind, values = read.items(variant, "a command", 2)
@@ -69,7 +69,7 @@ def _run(calls: "Calls", command: Any, new: int) -> int:
     if number in REFUSED or not (number in COMMANDS or number in WITHOUT_EFFECT):
         name = REFUSED.get(number, f"command {number}")
         raise CallError(f"{name} is not supported by this server (oodscen)")
-    actor = read.whole(first) or new
+    actor = read.whole(first) or spawned
     procedure, name = COMMANDS.get(number, ("", WITHOUT_EFFECT.get(number, "")))
     calls.world.find(actor, f"run {name}")
     if procedure and calls.call(procedure, [actor, *others]) is False:
@@ -83,6 +83,6 @@ def _spawn(calls: "Calls", values: list[Any]) -> int:
     parent = read.optional(values[2], "a parent")
     # The attachment between parent and follow-ups is uninitialised memory of the client.
     actor = calls.actors.spawn(values[0], values[1], parent or 0)
-    for after in read.items(values[-1], "the commands after a spawn", longest=_MAX_AFTER):
-        _run(calls, after, actor.id)
+    for command in read.items(values[-1], "the commands after a spawn", longest=_MAX_AFTER):
+        _run(calls, command, actor.id)
     return actor.id

@@ -13,6 +13,8 @@ VERSION = "0.9.16"
 """The version of CARLA whose protocol the server speaks."""
 _ROAD_TAG = 1
 """CARLA's semantic tag of roads."""
+_DOWNWARDS = -0.9
+"""Vertical part of a direction, of 1, below which it points downwards."""
 
 
 class EpisodeCalls:
@@ -48,10 +50,10 @@ class EpisodeCalls:
         self._world.receive(read.text(document, "an OpenDRIVE document", 32 << 20))
 
     def rpc_load_new_episode(self, name: Any = "", resets: Any = True, layers: Any = 0) -> None:
-        before = list(self._world.actors)
+        earlier_ids = list(self._world.actors)
         self._world.load(read.text(name, "a map"), resets=read.flag(resets))
-        for number in before:
-            self._streams.drop(number)
+        for actor_id in earlier_ids:
+            self._streams.drop(actor_id)
 
     def rpc_get_episode_settings(self) -> list[Any]:
         return self._world.settings.wire()
@@ -74,7 +76,8 @@ class EpisodeCalls:
         """Return the road below a point; only rays downwards find something."""
         x, y, z = read.vector(start)
         reach = read.number(distance)
-        found = self._world.map.ground(x, -y)
-        if read.vector(direction)[2] < -0.9 and found is not None and 0.0 <= z - found[0] <= reach:
-            return [True, [[x, y, found[0]], _ROAD_TAG]]
+        ground = self._world.map.ground(x, -y)
+        is_downwards = read.vector(direction)[2] < _DOWNWARDS
+        if is_downwards and ground is not None and 0.0 <= z - ground.z <= reach:
+            return [True, [[x, y, ground.z], _ROAD_TAG]]
         return [False, [list(ZERO), 0]]

@@ -1,4 +1,4 @@
-"""Faults that a test asks of the server."""
+"""Faults that the server produces for tests."""
 
 import json
 import threading
@@ -37,9 +37,9 @@ class Fault:
         Raises:
             ValueError: If the line is no fault.
         """
-        given = json.loads(line)
+        fields = json.loads(line)
         try:
-            return cls(**given)
+            return cls(**fields)
         except TypeError:
             raise ValueError("a fault has a kind, and may have call, after and times") from None
 
@@ -67,20 +67,20 @@ class Faults:
         self._pending: list[_Pending] = []
 
     def add(self, fault: Fault) -> None:
-        """Ask for a fault."""
+        """Add a fault."""
         with self._lock:
             self._pending.append(_Pending(fault, fault.after, fault.times))
 
     def strike(self, call: str) -> FaultKind | None:
         """Count a call, and return the fault that strikes it."""
-        found: FaultKind | None = None
+        kind: FaultKind | None = None
         with self._lock:
-            for one in self._pending:
-                if one.fault.call != call or not one.strikes:
+            for pending in self._pending:
+                if pending.fault.call != call or not pending.strikes:
                     continue
-                if one.passes:
-                    one.passes -= 1
-                elif found is None:
-                    one.strikes -= 1
-                    found = one.fault.kind
-        return found
+                if pending.passes:
+                    pending.passes -= 1
+                elif kind is None:
+                    pending.strikes -= 1
+                    kind = pending.fault.kind
+        return kind

@@ -15,7 +15,7 @@ from oodscen_carla.server._vehicles import drive
 _HIGHEST_FRICTION = 2.0
 _LEVEL_DEG = 1e-4
 """Pitch up to which a body stands level, degrees."""
-_TURNS_MPS = 1e-6
+_TURNING_MPS = 1e-6
 """Speed across the ground up to which a walker does not turn, m/s."""
 
 
@@ -81,7 +81,7 @@ def _walk(actor: ServerActor, walk: WalkerControl, dt: float) -> None:
     x, y, z = (walk.speed * part for part in walk.direction)
     actor.velocity = (x, y, z)
     _shift(actor, dt)
-    if walk.speed > 0.0 and math.hypot(x, y) > _TURNS_MPS:
+    if walk.speed > 0.0 and math.hypot(x, y) > _TURNING_MPS:
         pitch, _, roll = actor.place.rotation
         turned = (pitch, math.degrees(math.atan2(y, x)), roll)
         actor.place = Transform(actor.place.location, turned)
@@ -98,11 +98,12 @@ def _shift(actor: ServerActor, dt: float) -> None:
 def _stand(actor: ServerActor, road: ServedMap) -> None:
     """Put an actor on the road, with the road's slope."""
     x, y, _ = actor.place.location
-    found = road.ground(x, -y)
-    if found is None:
+    ground = road.ground(x, -y)
+    if ground is None:
         return
-    z, heading, slope = found
     yaw = actor.place.rotation[1]
-    along = slope * math.cos(math.radians(-yaw) - heading)
-    pitch = math.degrees(math.atan(along)) if actor.is_vehicle else 0.0
-    actor.place = Transform((x, y, z), (pitch if abs(pitch) > _LEVEL_DEG else 0.0, yaw, 0.0))
+    slope = ground.slope * math.cos(math.radians(-yaw) - ground.heading)
+    pitch = math.degrees(math.atan(slope)) if actor.is_vehicle else 0.0
+    if abs(pitch) <= _LEVEL_DEG:
+        pitch = 0.0
+    actor.place = Transform((x, y, ground.z), (pitch, yaw, 0.0))

@@ -23,6 +23,8 @@ from oodscen_carla.server._streams import WORLD_STREAM, Streams
 from oodscen_carla.server._world import World
 
 MAX_CLIENTS = 64
+_BACKLOG = 64
+"""Number of connections that may wait to be accepted."""
 AWAIT_S = 1.0
 """Maximum time that a tick waits for a stream whose token was just asked for, s."""
 _ATTEMPTS = 50
@@ -76,22 +78,21 @@ class Listener:
 
     def start(self) -> None:
         """Begin to serve, in threads that end with the process."""
-        for one, serve in zip(self._sockets, (self._serve_calls, self._serve_stream), strict=True):
-            _thread(self._accept, one, serve)
-        _thread(self._run_free)
+        calls, streams = self._sockets
+        _start_thread(self._accept, calls, self._serve_calls)
+        _start_thread(self._accept, streams, self._serve_stream)
+        _start_thread(self._run_free)
 
     def close(self) -> None:
         """Wait until the tick or call at work has ended, then end all connections; no other follows."""
         self._is_closed = True
-        for one in self._sockets:
-            end(one)
+        for listening in self._sockets:
+            end(listening)
         with self._lock:
             for client in self._clients:
                 end(client)
             self._streams.close()
             self._heard.notify_all()
-
-    # ------------------------------------------------------------------ ticks
 
     def _tick(self) -> int:
         """Advance the world by one tick and send what the sensors measure.
@@ -122,8 +123,6 @@ class Listener:
                 if self._clients and not self._world.is_synchronous:
                     self._tick()
 
-    # ------------------------------------------------------------------ connections
-
     def _accept(self, listening: socket.socket, serve: Callable[[socket.socket], None]) -> None:
         while not self._is_closed:
             try:
@@ -131,7 +130,7 @@ class Listener:
             except OSError:
                 return
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            _thread(serve, connection)
+            _start_thread(serve, connection)
 
     def _serve_calls(self, connection: socket.socket) -> None:
         with self._lock:
@@ -198,9 +197,9 @@ class Listener:
     def _serve_stream(self, connection: socket.socket) -> None:
         limit_sends(connection)
         try:
-            asked = connection.recv(4, socket.MSG_WAITALL)
-            if len(asked) == 4:
-                number = struct.unpack("<I", asked)[0]
+            request = connection.recv(4, socket.MSG_WAITALL)
+            if len(request) == 4:
+                number = struct.unpack("<I", request)[0]
                 with self._lock:
                     if self._is_closed or not self._streams.add(number, connection):
                         return
@@ -226,18 +225,16 @@ def _listening(host: str, port: int) -> tuple[socket.socket, socket.socket]:
     """
     fault: Exception | None = None
     for _ in range(1 if port else _ATTEMPTS):
-        opened = [socket.socket(), socket.socket()]
+        first, second = socket.socket(), socket.socket()
         try:
-            for one in opened:
-                one.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            opened[0].bind((host, port))
-            opened[1].bind((host, opened[0].getsockname()[1] + 1))
-            for one in opened:
-                one.listen(64)
-            return opened[0], opened[1]
+            _bind(first, host, port)
+            _bind(second, host, first.getsockname()[1] + 1)
+            first.listen(_BACKLOG)
+            second.listen(_BACKLOG)
+            return first, second
         except (OSError, OverflowError) as error:
-            for one in opened:
-                one.close()
+            first.close()
+            second.close()
             fault = error
             if isinstance(error, socket.gaierror):
                 break
@@ -245,5 +242,10 @@ def _listening(host: str, port: int) -> tuple[socket.socket, socket.socket]:
     raise UsageError(f"cannot listen on {host}, {ports}: {fault}")
 
 
-def _thread(target: Callable[..., None], *arguments: Any) -> None:
+def _bind(listening: socket.socket, host: str, port: int) -> None:
+    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    listening.bind((host, port))
+
+
+def _start_thread(target: Callable[..., None], *arguments: Any) -> None:
     threading.Thread(target=target, args=arguments, daemon=True).start()

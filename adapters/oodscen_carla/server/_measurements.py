@@ -38,10 +38,11 @@ SKY, OTHER = 11, 22
 """Semantic tags of the sky and of what the drawing simulator cannot tell."""
 
 _OPAQUE = np.int32(-1 << 24)
-_SHOWN = np.where(np.arange(256), np.arange(256), OTHER).astype(np.uint8)
-"""Tag that a client is told, by that of the drawing simulator."""
+_CLIENT_TAGS = np.where(np.arange(256), np.arange(256), OTHER).astype(np.uint8)
+"""Tags that clients get, by those of the drawing simulator."""
 _AT_REST = Transform((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 _METRES_PER_DEGREE = 111_324.6
+"""Length of a degree of latitude, and of longitude at the equator, m."""
 
 
 def header(kind: int, frame: int, time: float, place: Transform = _AT_REST) -> bytes:
@@ -97,8 +98,9 @@ def _own_state(actor: ServerActor) -> bytes:
                 control.manual_gear_shift,
                 control.gear,
             )
-        speed_limit, no_light, has_light = 30.0, 4, 0
-        return pedals + struct.pack("<fBBIB", speed_limit, no_light, has_light, 0, 0)
+        speed_limit_kmh, no_traffic_light, is_at_traffic_light = 30.0, 4, 0
+        traffic = (speed_limit_kmh, no_traffic_light, is_at_traffic_light, 0, 0)
+        return pedals + struct.pack("<fBBIB", *traffic)
     if actor.walk is not None:
         return struct.pack("<4f?", *actor.walk.direction, actor.walk.speed, actor.walk.jump)
     return b""
@@ -138,11 +140,11 @@ def _behind(frame: Frame) -> NDArray[np.uint8]:
     """Return the semantic tags of scenery and sky."""
     if frame.tags is None:
         return np.where(np.isinf(frame.depth), np.uint8(SKY), np.uint8(OTHER))
-    return np.asarray(cv2.LUT(frame.tags, _SHOWN), np.uint8)
+    return np.asarray(cv2.LUT(frame.tags, _CLIENT_TAGS), np.uint8)
 
 
 def picture_head(width: int, height: int, fov: float) -> bytes:
-    """Return what precedes the pixels."""
+    """Return the bytes before the pixels of a picture."""
     return struct.pack("<IIf", width, height, fov)
 
 
@@ -154,9 +156,9 @@ def collision(actor: list[Any], other: list[Any], impulse: list[float]) -> bytes
 def inertial(actor: ServerActor, place: Transform) -> bytes:
     """Return accelerometer, gyroscope and compass."""
     x, y, z = actor.acceleration
-    turn = [math.radians(angle) for angle in actor.angular]
+    gyroscope = [math.radians(angle) for angle in actor.angular]
     compass = math.radians((place.rotation[1] + 90.0) % 360.0)
-    return _packed([[x, y, z + GRAVITY], turn, compass])
+    return _packed([[x, y, z + GRAVITY], gyroscope, compass])
 
 
 def position(place: Transform) -> bytes:

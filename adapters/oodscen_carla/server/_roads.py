@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import islice
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,7 @@ from oodscen.driving._roads.routes import road_point
 from oodscen_carla._opendrive import for_carla
 from oodscen_carla.server._values import Transform
 
-_STEP_M = 2.0
+_LEAST_STEP_M = 2.0
 """Least distance between the samples of heights, m."""
 _NEAR_M = 40.0
 """Distance from a road's line beyond which it gives no height, m."""
@@ -48,6 +49,17 @@ _ROUNDING_M = 1e-9
 
 RECEIVED = "OpenDriveMap"
 """Name of the map that a client sent."""
+
+
+class Ground(NamedTuple):
+    """The road below a place, in right-handed axes."""
+
+    z: float
+    """Height, m."""
+    heading: float
+    """Direction of the road's reference line, rad."""
+    slope: float
+    """Rise of the road per metre in that direction."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,20 +117,20 @@ class ServedMap:
         )
         return cls(name, text, road_map, _samples(network, step), step, points)
 
-    def ground(self, x: float, y: float) -> tuple[float, float, float] | None:
-        """Return height, heading and slope of the nearest road, or `None` far from all roads.
+    def ground(self, x: float, y: float) -> Ground | None:
+        """Return the nearest road at a place, or `None` far from all roads.
 
         Args:
             x: x in right-handed axes, m.
             y: y in right-handed axes, m.
         """
-        square = (self.samples[:, 0] - x) ** 2 + (self.samples[:, 1] - y) ** 2
-        index = int(square.argmin())
-        if square[index] > _NEAR_M * _NEAR_M:
+        squares = (self.samples[:, 0] - x) ** 2 + (self.samples[:, 1] - y) ** 2
+        index = int(squares.argmin())
+        if squares[index] > _NEAR_M * _NEAR_M:
             return None
-        px, py, z, heading, slope = self.samples[index].tolist()
-        along = (x - px) * math.cos(heading) + (y - py) * math.sin(heading)
-        return z + slope * max(-self.step, min(self.step, along)), heading, slope
+        sample_x, sample_y, z, heading, slope = self.samples[index].tolist()
+        along = (x - sample_x) * math.cos(heading) + (y - sample_y) * math.sin(heading)
+        return Ground(z + slope * max(-self.step, min(self.step, along)), heading, slope)
 
 
 def _is_shown(place: Transform, shown: Corridor) -> bool:
@@ -131,11 +143,11 @@ def _is_shown(place: Transform, shown: Corridor) -> bool:
 @lru_cache(maxsize=4)
 def _digests(maps: tuple[tuple[str, str], ...]) -> dict[str, str]:
     """Return the ids of maps by the digests of their documents, as they are and as served."""
-    found: dict[str, str] = {}
+    digests: dict[str, str] = {}
     for name, file in maps:
         text = read_map(file).decode()
-        found |= {_digest(text): name, _digest(for_carla(text)): name}
-    return found
+        digests |= {_digest(text): name, _digest(for_carla(text)): name}
+    return digests
 
 
 def _digest(text: str) -> str:
@@ -144,9 +156,9 @@ def _digest(text: str) -> str:
 
 def _shipped(catalogue: Catalogue) -> dict[str, RoadMap]:
     """Return the catalogue's maps by the digests of their documents."""
-    own = {road.id: road for road in catalogue.maps if road.file}
-    found = _digests(tuple((road.id, road.file) for road in own.values()))
-    return {digest: own[name] for digest, name in found.items()}
+    maps = {road_map.id: road_map for road_map in catalogue.maps if road_map.file}
+    digests = _digests(tuple((name, road_map.file) for name, road_map in maps.items()))
+    return {digest: maps[name] for digest, name in digests.items()}
 
 
 def _slope(road: Road, s: float) -> float:
@@ -158,7 +170,7 @@ def _slope(road: Road, s: float) -> float:
 
 def _step(network: Network) -> float:
     """Return the distance between samples of heights, m: it grows with the roads, whose samples are limited."""
-    return max(_STEP_M, sum(road.length for road in network.roads.values()) / _MOST_SAMPLES)
+    return max(_LEAST_STEP_M, sum(road.length for road in network.roads.values()) / _MOST_SAMPLES)
 
 
 def _samples(network: Network, step: float) -> NDArray[np.float64]:
@@ -188,13 +200,13 @@ def _spawn_points(network: Network) -> Iterator[Transform]:
 
 def _section_at(road: Road, s: float) -> LaneSection:
     """Return the lane section of a place."""
-    return next(one for one in reversed(road.sections) if one.s <= s + _ROUNDING_M)
+    return next(section for section in reversed(road.sections) if section.s <= s + _ROUNDING_M)
 
 
 def _across(road: Road, s: float) -> list[Transform]:
     """Return one spawn point for every driving lane at a place of a road."""
     section = _section_at(road, s)
-    found = []
+    points = []
     for side in (-1, 1):
         t = piecewise(road.lane_offset, s)
         lanes = [lane for lane in section.lanes if lane.id * side > 0]
@@ -202,9 +214,9 @@ def _across(road: Road, s: float) -> list[Transform]:
             width = piecewise(lane.widths, s - section.s)
             if lane.type == "driving" and width > _LEAST_WIDTH_M:
                 is_against = ((side > 0) != road.left_hand) != lane.reversed
-                found.append(_spawn_point(road, s, t + side * width / 2, is_against=is_against))
+                points.append(_spawn_point(road, s, t + side * width / 2, is_against=is_against))
             t += side * width
-    return found
+    return points
 
 
 def _spawn_point(road: Road, s: float, t: float, *, is_against: bool) -> Transform:

@@ -32,10 +32,12 @@ def camera_of(attributes: Mapping[str, str]) -> Camera:
     Raises:
         CallError: If its picture is none, or too large.
     """
-    given = {one.name: attributes.get(one.name, one.default) for one in PICTURE}
+    values = {
+        attribute.name: attributes.get(attribute.name, attribute.default) for attribute in PICTURE
+    }
     try:
-        width, height = (int(given[f"image_size_{axis}"]) for axis in "xy")
-        fov = float(given["fov"])
+        width, height = int(values["image_size_x"]), int(values["image_size_y"])
+        fov = float(values["fov"])
     except ValueError:
         raise CallError("image_size_x, image_size_y and fov must be numbers") from None
     if not (0 < width <= MAX_SIDE and 0 < height <= MAX_SIDE and width * height <= MAX_PIXELS):
@@ -63,20 +65,20 @@ class SensorSender:
 
     def sense(self) -> None:
         """Send the measurements of all sensors that a client listens to."""
-        taken: dict[object, Picture] = {}
+        pictures: dict[object, Picture] = {}
         bodies: list[PicturedBody] | None = None
         for actor in list(self._world.actors.values()):
             if not (actor.is_sensor and self._streams.is_heard(actor.id) and self._is_due(actor)):
                 continue
             if actor.type_id in CAMERAS:
                 bodies = self._world.bodies() if bodies is None else bodies
-                self._picture(actor, bodies, taken)
+                self._send_picture(actor, bodies, pictures)
             elif actor.type_id == "sensor.other.imu":
                 place = self._world.place_of(actor)
                 self._send(actor, wire.inertial(self._carrier(actor), place))
             elif actor.type_id == "sensor.other.gnss":
                 self._send(actor, wire.position(self._world.place_of(actor)))
-        self._collisions()
+        self._send_collisions()
 
     def _is_due(self, actor: ServerActor) -> bool:
         if self._world.time < self._due_at.get(actor, 0.0) - ROUNDING_S:
@@ -93,39 +95,42 @@ class SensorSender:
         header = wire.header(kind, self._world.frame, self._world.time, place)
         self._streams.send(actor.id, header + head, body)
 
-    def _picture(
+    def _send_picture(
         self,
         actor: ServerActor,
         bodies: list[PicturedBody],
-        taken: dict[object, Picture],
+        pictures: dict[object, Picture],
     ) -> None:
+        """Send the picture of one camera; that of a mount is taken once, and kept for all kinds of camera."""
         camera = camera_of(actor.attributes)
-        key = (actor.parent, actor.place, camera)
-        if key not in taken:
-            taken[key] = self._shoot(actor, bodies, camera)
-        frame, ids, tags = taken[key]
+        mount = (actor.parent, actor.place, camera)
+        if mount not in pictures:
+            pictures[mount] = self._take(actor, bodies, camera)
+        frame, ids, tags = pictures[mount]
         pixels = wire.picture(CAMERAS[actor.type_id], frame, ids, tags)
         head = wire.picture_head(camera.width, camera.height, camera.fov_deg)
         self._send(actor, head, pixels.data.cast("B"))
 
-    def _shoot(self, actor: ServerActor, bodies: list[PicturedBody], size: Camera) -> Picture:
+    def _take(self, actor: ServerActor, bodies: list[PicturedBody], size: Camera) -> Picture:
+        """Return the picture of a camera, whose host comes first among the bodies if it is one of them."""
         world = self._world
         host = world.actors.get(actor.parent)
-        index = next((n for n, body in enumerate(bodies) if host and body.key == host.id), None)
-        shown = bodies if index is None else [bodies[index], *bodies[:index], *bodies[index + 1 :]]
-        hosting = host if index is not None else None
-        pose = shown[0].pose if hosting else None
-        shot = aimed(
-            size, pose, host, actor.place, world.place_of(actor), world.picture_time(hosting)
+        host_bodies = [body for body in bodies if host is not None and body.key == host.id]
+        has_host = bool(host_bodies)
+        shown = [*host_bodies, *(body for body in bodies if body not in host_bodies)]
+        view = aimed(
+            size,
+            shown[0].pose if has_host else None,
+            host,
+            actor.place,
+            world.place_of(actor),
+            world.picture_time(host if has_host else None),
         )
-        seed = world.seed
-        frame, ids = self._renderer.take(
-            world.scene(), seed, shown, shot, has_host=hosting is not None
-        )
+        frame, ids = self._renderer.take(world.scene(), world.seed, shown, view, has_host=has_host)
         tags = [world.actors[key].blueprint.tag if key else 0 for key in ids.tolist()]
         return frame, ids, np.array(tags, np.uint8)
 
-    def _collisions(self) -> None:
+    def _send_collisions(self) -> None:
         world = self._world
         listening: dict[int, list[ServerActor]] = {}
         for actor in world.actors.values():

@@ -73,10 +73,10 @@ class CarlaTestServer:
         scenes.write_text(
             "".join(f"{scene.to_json()}\n" for scene in self._scenes), encoding="utf-8"
         )
-        order = [sys.executable, "-m", "oodscen_carla.server", "--scenes", str(scenes)]
+        command = [sys.executable, "-m", "oodscen_carla.server", "--scenes", str(scenes)]
         # A process that is killed leaves its files; here they go with the folder.
         self._process = subprocess.Popen(
-            [*order, *self._arguments],
+            [*command, *self._arguments],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
@@ -122,13 +122,13 @@ class CarlaTestServer:
             ValueError: If there is no such fault.
             SimulatorError: If the server does not set it.
         """
-        wanted = Fault(kind, call, after, times)
+        fault = Fault(kind, call, after, times)
         process = self._running()
         assert process.stdin is not None
         assert process.stdout is not None
         answer = ""
         with suppress(BrokenPipeError):
-            print(wanted.to_json(), file=process.stdin, flush=True)
+            print(fault.to_json(), file=process.stdin, flush=True)
             answer = process.stdout.readline().strip()
         if answer != "set":
             raise SimulatorError(f"the server did not set the fault: {answer or 'it has ended'}")

@@ -61,8 +61,8 @@ def number(value: Any, name: str = "a number") -> float:
     """Return a finite number."""
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         try:
-            if math.isfinite(found := float(value)) and abs(found) <= FARTHEST:
-                return found
+            if math.isfinite(value) and abs(value) <= FARTHEST:
+                return float(value)
         except OverflowError:
             pass
     raise CallError(f"{name} must be a number within ±1e6, not {str(value)[:40]!r}")
@@ -94,8 +94,8 @@ def items(value: Any, name: str, length: int | None = None, longest: int = 100_0
     if isinstance(value, list) and len(value) <= longest and length in (None, len(value)):
         return value
     expected = f"at most {longest:,}" if length is None else str(length)
-    given = f", not {len(value):,}" if isinstance(value, list) else ""
-    raise CallError(f"{name} must be a list of {expected} values{given}")
+    actual = f", not {len(value):,}" if isinstance(value, list) else ""
+    raise CallError(f"{name} must be a list of {expected} values{actual}")
 
 
 def vector(value: Any, name: str = "a vector") -> Vector:
@@ -112,26 +112,26 @@ def transform(value: Any) -> Transform:
 
 def optional(value: Any, name: str) -> Any:
     """Return the value of CARLA's optional, `[False]` or `[True, value]`; `None` if there is none."""
-    found = items(value, name, longest=2)
-    if found and flag(found[0], name):
-        return items(found, name, 2)[1]
+    parts = items(value, name, longest=2)
+    if parts and flag(parts[0], name):
+        return items(parts, name, 2)[1]
     return None
 
 
 def description(value: Any) -> Description:
     """Return the description of an actor to spawn."""
-    uid, type_id, given = items(value, "an actor's description", 3)
+    uid, type_id, attribute_values = items(value, "an actor's description", 3)
     attributes = []
-    for item in items(given, "the attributes", longest=MAX_ATTRIBUTES):
-        name, kind, content = items(item, "an attribute", 3)
+    for attribute in items(attribute_values, "the attributes", longest=MAX_ATTRIBUTES):
+        name, kind, content = items(attribute, "an attribute", 3)
         attributes.append((text(name, "an attribute"), whole(kind), text(content, "an attribute")))
     return Description(whole(uid), text(type_id, "a blueprint"), tuple(attributes))
 
 
 def world_settings(value: Any) -> WorldSettings:
     """Return the settings of a world."""
-    given = items(value, "the settings", len(WorldSettings._fields))
-    synchronous, blank, fixed, substepping, longest, substeps, culling, ragdolls, *rest = given
+    values = items(value, "the settings", len(WorldSettings._fields))
+    synchronous, blank, fixed, substepping, longest, substeps, culling, ragdolls, *rest = values
     tiles, active, as_ego = rest
     step = optional(fixed, "fixed_delta_seconds")
     if step is not None and not 0.0 <= number(step) <= 10.0:

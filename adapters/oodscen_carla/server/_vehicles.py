@@ -9,16 +9,18 @@ from oodscen_carla.server._values import Transform, Vector
 
 MASS_KG = 1500.0
 """Mass of every vehicle."""
-MAX_DRIVE = 4.0
+MAX_DRIVE_MPS2 = 4.0
 """Maximum acceleration of the motor, m/s^2."""
-TOP_SPEED = 55.0
+TOP_SPEED_MPS = 55.0
 """Speed at which the motor only makes up for drag, m/s."""
-MAX_STEERING = 0.6
+MAX_STEERING_RAD = 0.6
 """Angle of the front wheels at full lock, rad."""
-BRAKING = 8.0
+BRAKING_MPS2 = 8.0
 """Deceleration of a full brake on dry asphalt, m/s^2."""
-WHEELBASE = 0.6
+WHEELBASE_SHARE = 0.6
 """Wheelbase as a share of a vehicle's length."""
+_SHORTEST_WHEELBASE_M = 0.1
+"""Wheelbase up to which a vehicle does not turn, m."""
 _STANDING_MPS = 1e-6
 """Speed below which a vehicle stands, m/s."""
 
@@ -26,9 +28,11 @@ _STANDING_MPS = 1e-6
 def demanded(control: VehicleControl, speed: float) -> float:
     """Return the acceleration along the heading that the pedals demand, m/s^2."""
     drive = (
-        MAX_DRIVE * min(1.0, max(0.0, control.throttle)) * max(0.0, 1.0 - abs(speed) / TOP_SPEED)
+        MAX_DRIVE_MPS2
+        * min(1.0, max(0.0, control.throttle))
+        * max(0.0, 1.0 - abs(speed) / TOP_SPEED_MPS)
     )
-    brake = BRAKING * min(1.0, max(0.0, control.brake) + float(control.hand_brake))
+    brake = BRAKING_MPS2 * min(1.0, max(0.0, control.brake) + float(control.hand_brake))
     drag = 0.1 + 0.0006 * speed * speed
     ahead = -drive if control.reverse else drive
     if abs(speed) < _STANDING_MPS:
@@ -38,7 +42,7 @@ def demanded(control: VehicleControl, speed: float) -> float:
 
 def wheels(control: VehicleControl) -> float:
     """Return the angle of the front wheels, rad, to the right positive."""
-    return min(1.0, max(-1.0, control.steer)) * MAX_STEERING
+    return min(1.0, max(-1.0, control.steer)) * MAX_STEERING_RAD
 
 
 def drive(actor: ServerActor, control: VehicleControl, friction: float, dt: float) -> None:
@@ -52,14 +56,14 @@ def drive(actor: ServerActor, control: VehicleControl, friction: float, dt: floa
     after = before + acceleration * dt
     if before * after < 0.0:
         after = 0.0
-    left = math.sqrt(max(0.0, grip * grip - acceleration * acceleration))
-    base = WHEELBASE * 2.0 * actor.blueprint.extent[0]
+    lateral_grip = math.sqrt(max(0.0, grip * grip - acceleration * acceleration))
+    wheelbase = WHEELBASE_SHARE * 2.0 * actor.blueprint.extent[0]
     slip = math.atan(0.5 * math.tan(wheels(control)))
-    curvature = math.sin(slip) / (0.5 * base) if base > 0.1 else 0.0
-    fastest = max(before * before, after * after)
-    if fastest * abs(curvature) > left:
-        curvature = math.copysign(left / fastest, curvature)
-        slip = math.asin(max(-1.0, min(1.0, 0.5 * base * curvature)))
+    curvature = math.sin(slip) / (0.5 * wheelbase) if wheelbase > _SHORTEST_WHEELBASE_M else 0.0
+    square = max(before * before, after * after)
+    if square * abs(curvature) > lateral_grip:
+        curvature = math.copysign(lateral_grip / square, curvature)
+        slip = math.asin(max(-1.0, min(1.0, 0.5 * wheelbase * curvature)))
     mean = 0.5 * (before + after)
     turn = mean * curvature * dt
     pitch, yaw, roll = actor.place.rotation

@@ -1,19 +1,15 @@
 """The served world: its map, weather, settings and actors, and what one tick does to them."""
 
-import math
-import re
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
-from oodscen.data import Actor as SceneActor
-from oodscen.data import Behaviour, Catalogue, Ego, Hazard, Placement, Scene, Trigger, Weather
+from oodscen.data import Catalogue, Scene, Weather
 from oodscen.driving._roads.building import find_map
 from oodscen.errors import OodscenError, UsageError
 from oodscen_carla._blueprints import own_id
 from oodscen_carla._catalogue import load_catalogue
-from oodscen_carla._lights import LAMPS_OF_STATE, VehicleLight
 from oodscen_carla._weather import WeatherParameters, from_carla, to_carla
 from oodscen_carla.server._actors import ZERO, ServerActor
 from oodscen_carla.server._blueprints import (
@@ -25,6 +21,14 @@ from oodscen_carla.server._blueprints import (
 )
 from oodscen_carla.server._cameras import PicturedBody
 from oodscen_carla.server._collisions import collide
+from oodscen_carla.server._depiction import (
+    LitVehicle,
+    Motion,
+    client_body,
+    lit_vehicles,
+    staged_body,
+    street_scene,
+)
 from oodscen_carla.server._geometry import OrientedBox, mounted, rotated
 from oodscen_carla.server._kinematics import FrictionBox, Surface, move
 from oodscen_carla.server._roads import RECEIVED, ServedMap
@@ -37,17 +41,13 @@ from oodscen_carla.server._values import (
     WorldSettings,
 )
 
-STEP = 0.05
+STEP_S = 0.05
 """Duration of a tick without a fixed one, s."""
 MAX_ACTORS = 2_000
 SPECTATOR_ID = 23
 """Id of the spectator; actors follow."""
 Kind = Literal["", "vehicle", "walker"]
 """Beginning of the id of an actor's blueprint; empty for any."""
-
-_HEADLAMPS = VehicleLight.POSITION | VehicleLight.LOW_BEAM | VehicleLight.HIGH_BEAM
-_BRAKING = -9.0
-"""Acceleration at which every simulator shows brake lamps, m/s^2."""
 
 
 class World:
@@ -72,13 +72,13 @@ class World:
         self.seed = seed
         self.frame, self.time, self.episode = 0, 0.0, 0
         # Ids are never used again: a client returns to streams that it knew by their numbers.
-        self._next = SPECTATOR_ID + 1
+        self._next_id = SPECTATOR_ID + 1
         self._folder = tempfile.TemporaryDirectory(prefix="oodscen-carla-")
         self._received: ServedMap | None = None
         self._drawn: tuple[object, Scene] | None = None
         self.settings = WorldSettings()
         self.weather = WeatherParameters()
-        self._has_own_weather = True
+        self._has_clients_weather = True
         self.staged: ServedScene | None = None
         self.collisions: list[tuple[ServerActor, ServerActor]] = []
         """Pairs of a vehicle and what it touches in this tick."""
@@ -90,8 +90,6 @@ class World:
     def close(self) -> None:
         """Remove the files of received maps."""
         self._folder.cleanup()
-
-    # ------------------------------------------------------------------ map and scene
 
     @property
     def map_names(self) -> list[str]:
@@ -109,19 +107,18 @@ class World:
         except OodscenError as error:
             raise CallError(f"the OpenDRIVE map cannot be used: {error}") from None
 
-    def load(self, name: str | None = None, *, resets: bool = True) -> None:
+    def load(self, name: str = "", *, resets: bool = True) -> None:
         """Begin a new episode.
 
         Args:
-            name: Id of a scene or a map, `OpenDriveMap` for the received one; the same again by default, or if
-                it is empty.
+            name: Id of a scene or a map, `OpenDriveMap` for the received one; empty for the same again.
             resets: Whether the settings return to the defaults.
 
         Raises:
             CallError: If there is no such map.
             SceneError: If the scene cannot be staged.
         """
-        short = (name or "").rsplit("/", 1)[-1] or self.map.name
+        short = name.rsplit("/", 1)[-1] or self.map.name
         staged = None
         if short in self.scenes:
             scene = self.scenes[short]
@@ -137,7 +134,7 @@ class World:
         self.episode += 1
         self.actors = {SPECTATOR_ID: _spectator()}
         self.weather = WeatherParameters() if staged is None else to_carla(staged.scene.weather)
-        self._has_own_weather = staged is None
+        self._has_clients_weather = staged is None
         if resets:
             self.settings = WorldSettings()
         if staged is not None:
@@ -147,27 +144,28 @@ class World:
         for name, asset, state in staged.world.bodies():
             role = HERO if name == "ego" else name
             blueprint = self.library[own_id(asset)]
-            given = (("role_name", STRING, role), ("state", STRING, state))
-            what = Description(0, blueprint.id, given)
-            actor = self._add(ServerActor(self._next, what, blueprint, Transform(ZERO, ZERO)))
+            attributes = (("role_name", STRING, role), ("state", STRING, state))
+            description = Description(0, blueprint.id, attributes)
+            place = Transform(ZERO, ZERO)
+            actor = self._add(ServerActor(self._next_id, description, blueprint, place))
             actor.staged = name
         self._sync_staged_actors()
 
     def leave(self) -> list[int]:
-        """Return to the map's beginning after the last client has gone; return what is removed.
+        """Return to the map's beginning after the last client has gone; return the ids of the removed actors.
 
         Weather and map stay, because scripts that only set them end before the next one begins.
         """
-        gone = list(self.actors)
-        weather, is_own = self.weather, self._has_own_weather
+        removed = list(self.actors)
+        weather, is_clients = self.weather, self._has_clients_weather
         self.load()
-        if is_own:
+        if is_clients:
             self.set_weather(weather)
-        return gone
+        return removed
 
     def set_weather(self, weather: WeatherParameters) -> None:
         """Change the weather; in a staged scene its wetness is the road's friction, too."""
-        self.weather, self._has_own_weather = weather, True
+        self.weather, self._has_clients_weather = weather, True
         if self.staged is not None:
             self.staged.world.alter(friction=self.friction)
 
@@ -177,109 +175,85 @@ class World:
         return self._shown_weather().friction
 
     def _shown_weather(self) -> Weather:
-        """Return the scene's weather until a client sets its own."""
-        if self.staged is not None and not self._has_own_weather:
+        """Return the scene's weather, or what a client has set since."""
+        if self.staged is not None and not self._has_clients_weather:
             return self.staged.scene.weather
         return from_carla(self.weather)
 
     def scene(self) -> Scene:
         """Return the scene whose map, weather and lit vehicles the pictures show."""
-        lit = () if self.staged else tuple(self._lit())
+        lit = () if self.staged else lit_vehicles(self.actors.values())
         key = (self.episode, self.weather, lit)
         if self._drawn is None or self._drawn[0] != key:
-            self._drawn = (key, self._make_scene(lit))
+            self._drawn = (key, self._drawn_scene(lit))
         return self._drawn[1]
 
-    def _make_scene(self, lit: tuple[tuple[str, str], ...]) -> Scene:
-        if self.staged is not None:
-            return self.staged.scene.model_copy(update={"weather": self._shown_weather()})
-        road = self.map.road_map
-        known = {road_map.id for road_map in self.catalogue.maps}
-        actors = {
-            name: SceneActor(
-                id=name,
-                asset=asset,
-                placement=Placement(ahead_m=0.0),
-                behaviour=Behaviour(name="follow_route"),
-            )
-            for name, asset in lit
-        }
+    def _drawn_scene(self, lit: tuple[LitVehicle, ...]) -> Scene:
         weather = self._shown_weather()
-        return Scene(
-            id="carla",
-            scenario_id="carla",
-            map=road.id if road.id in known else road.file,
-            ego=Ego(speed=0.0),
-            weather=weather,
-            actors=tuple(actors.values()),
-            hazard=Hazard(weather=weather),
-            decision=Trigger(),
-        )
+        if self.staged is not None:
+            return self.staged.scene.model_copy(update={"weather": weather})
+        return street_scene(self.map.road_map, self.catalogue, weather, lit)
 
-    def _lit(self) -> Iterator[tuple[str, str]]:
-        """Yield name and asset of every vehicle with its lamps on."""
-        for actor in self.actors.values():
-            asset = actor.blueprint.asset
-            if asset is not None and actor.lights & _HEADLAMPS:
-                yield name_of(actor), asset.id
-
-    # ------------------------------------------------------------------ actors
-
-    def spawn(self, what: Description, place: Transform, parent: int = 0) -> ServerActor:
+    def spawn(self, description: Description, place: Transform, parent: int) -> ServerActor:
         """Add an actor.
 
         Raises:
             CallError: If the blueprint, the parent or the room is missing.
         """
-        if what.type_id not in self.library:
-            raise CallError(f"blueprint {what.type_id[:80]!r} is not supported by this server")
+        if description.type_id not in self.library:
+            name = description.type_id[:80]
+            raise CallError(f"blueprint {name!r} is not supported by this server")
         if parent and parent not in self.actors:
             raise CallError("unable to attach actor: parent actor not found")
         if len(self.actors) >= MAX_ACTORS:
             raise CallError(f"this server holds at most {MAX_ACTORS} actors")
-        blueprint = self.library[what.type_id]
+        blueprint = self.library[description.type_id]
         if blueprint.is_solid:
             box = OrientedBox(place, blueprint.extent)
             for other in self.actors.values():
                 if other.is_obstacle and box.overlaps(other.box):
                     raise CallError("Spawn failed because of collision at spawn position")
-        return self._add(ServerActor(self._next, what, blueprint, place, parent))
+        return self._add(ServerActor(self._next_id, description, blueprint, place, parent))
 
     def _add(self, actor: ServerActor) -> ServerActor:
-        self._next += 1
+        self._next_id += 1
         actor.spawned_at = self.time
         self.actors[actor.id] = actor
         return actor
 
-    def find(self, number: int, doing: str, *, kind: Kind = "") -> ServerActor:
+    def find(self, actor_id: int, purpose: str, *, kind: Kind = "") -> ServerActor:
         """Return an actor.
 
         Args:
-            number: Its id.
-            doing: The purpose, for the message.
+            actor_id: Its id.
+            purpose: The purpose of the call, for the message.
             kind: Beginning of its blueprint's id; any by default.
 
         Raises:
             CallError: If there is none, or it is of another kind.
         """
-        actor = self.actors.get(number)
+        actor = self.actors.get(actor_id)
         if actor is None:
-            raise CallError(f"unable to {doing}: actor {number} not found")
+            raise CallError(f"unable to {purpose}: actor {actor_id} not found")
         if kind and not actor.type_id.startswith(f"{kind}."):
-            raise CallError(f"unable to {doing}: actor {actor.id} is no {kind}")
+            raise CallError(f"unable to {purpose}: actor {actor.id} is no {kind}")
         return actor
 
-    def destroy(self, number: int) -> list[ServerActor]:
-        """Remove an actor and everything that is attached to it; return what is gone."""
-        if number == SPECTATOR_ID:
+    def destroy(self, actor_id: int) -> list[ServerActor]:
+        """Remove an actor and everything that is attached to it, and return all of them.
+
+        Raises:
+            CallError: If it is the spectator.
+        """
+        if actor_id == SPECTATOR_ID:
             raise CallError("the spectator cannot be destroyed")
-        gone, waiting = [], [number]
+        removed, waiting = [], [actor_id]
         while waiting:
             actor = self.actors.pop(waiting.pop(), None)
             if actor is not None:
-                gone.append(actor)
+                removed.append(actor)
                 waiting += [child.id for child in self.actors.values() if child.parent == actor.id]
-        return gone
+        return removed
 
     def set_target_velocity(self, actor: ServerActor, velocity: Vector) -> None:
         """Give an actor a velocity, m/s; the ego of a staged scene takes the part along its heading."""
@@ -302,36 +276,23 @@ class World:
 
     def bodies(self) -> list[PicturedBody]:
         """Return everything that pictures show, in right-handed axes; a staged scene's ego first."""
-        exact = self._staged_rows()
-        found = []
-        for actor in self.actors.values():
-            asset = actor.blueprint.asset
-            if asset is None:
-                continue
-            if actor.staged:
-                pose, speed, acceleration = exact[actor.staged]
-                name, state = actor.staged, actor.attributes["state"]
-            else:
-                place = self.place_of(actor)
-                x, y, z = place.location
-                yaw = -math.radians(place.rotation[1])
-                acceleration = actor.acceleration_along
-                if actor.lights & VehicleLight.BRAKE:
-                    acceleration = min(acceleration, _BRAKING)
-                pose, speed = (x, -y, z, yaw), actor.speed
-                name, state = name_of(actor), _state(actor, asset.states)
-            found.append(PicturedBody(actor.id, name, asset, state, pose, speed, acceleration))
-        return found
+        motions = self._staged_motions()
+        return [
+            staged_body(actor, motions[actor.staged])
+            if actor.staged
+            else client_body(actor, self.place_of(actor))
+            for actor in self.actors.values()
+            if actor.blueprint.asset is not None
+        ]
 
-    def _staged_rows(self) -> dict[str, tuple[Any, float, float]]:
+    def _staged_motions(self) -> dict[str, Motion]:
+        """Return the exact motion of every body of the staged scene."""
         if self.staged is None:
             return {}
         world = self.staged.world
         poses = map(tuple, world.poses().tolist())
         rows = zip(poses, world.speeds().tolist(), world.accelerations().tolist(), strict=True)
-        return dict(zip(world.ids, rows, strict=True))
-
-    # ------------------------------------------------------------------ time
+        return {name: Motion(*row) for name, row in zip(world.ids, rows, strict=True)}
 
     @property
     def is_synchronous(self) -> bool:
@@ -341,7 +302,7 @@ class World:
     @property
     def step(self) -> float:
         """Duration of a tick, s."""
-        return self.settings.fixed_step_s or STEP
+        return self.settings.fixed_step_s or STEP_S
 
     def picture_time(self, host: ServerActor | None) -> float:
         """Return the time since the scene began, or since the camera's vehicle was spawned, s.
@@ -375,7 +336,7 @@ class World:
                 before[actor.id] = actor.place
                 move(actor, surface, dt)
         if self.staged is not None:
-            hero = next((body for body in self.actors.values() if body.staged == "ego"), None)
+            hero = next((actor for actor in self.actors.values() if actor.staged == "ego"), None)
             control = hero.control if hero else None
             # A scene waits for its script: nothing happens until it ticks or drives.
             if self.is_synchronous or control is not None:
@@ -385,12 +346,13 @@ class World:
         self.collisions = collide(self.actors.values(), before, touched)
 
     def _sync_staged_actors(self) -> None:
-        rows = self._staged_rows()
+        motions = self._staged_motions()
         for actor in self.actors.values():
             if not actor.staged:
                 continue
-            pose, actor.speed, actor.acceleration_along = rows[actor.staged]
-            x, y, z, yaw = carla_place(pose)
+            motion = motions[actor.staged]
+            actor.speed, actor.acceleration_along = motion.speed, motion.acceleration
+            x, y, z, yaw = carla_place(motion.pose)
             actor.place = Transform((x, y, z), (0.0, yaw, 0.0))
             actor.velocity = rotated((actor.speed, 0.0, 0.0), yaw)
             actor.acceleration = rotated((actor.acceleration_along, 0.0, 0.0), yaw)
@@ -409,24 +371,7 @@ def _check_names(scenes: Sequence[str], catalogue: Catalogue) -> None:
 
 
 def _spectator() -> ServerActor:
-    what = Description(0, SPECTATOR, ())
-    return ServerActor(SPECTATOR_ID, what, Blueprint(SPECTATOR, ()), Transform(ZERO, ZERO))
-
-
-def name_of(actor: ServerActor) -> str:
-    """Return the name by which an actor's paint is chosen: its role, if that is telling."""
-    role = actor.attributes.get("role_name", "")
-    if role in ("", "default", "autopilot"):
-        return f"a{actor.id}"
-    return re.sub(r"[^A-Za-z0-9_.-]", "_", role)[:60].lstrip("_.-") or f"a{actor.id}"
-
-
-def _state(actor: ServerActor, states: Sequence[str]) -> str:
-    """Return the state that an actor shows: its blueprint's attribute, or that of its lights."""
-    given = actor.attributes.get("state", "")
-    if given in states:
-        return given
-    for state, lights in LAMPS_OF_STATE.items():
-        if actor.lights & lights == lights and state in states:
-            return state
-    return ""
+    blueprint = Blueprint(SPECTATOR, ())
+    return ServerActor(
+        SPECTATOR_ID, Description(0, SPECTATOR, ()), blueprint, Transform(ZERO, ZERO)
+    )

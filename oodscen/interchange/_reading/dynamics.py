@@ -1,65 +1,84 @@
 """Durations of the transitions of actions in an OpenSCENARIO file."""
 
+from typing import NamedTuple
+
 from oodscen.interchange._reading.positions import LANE_M
 from oodscen.interchange._reading.tree import Element
 
 _AT_ONCE_MPS2 = 9.0
 """Deceleration of what stops at once in a file, m/s^2."""
+_SLOWEST_MPS = 1.0
+"""Least speed by which a distance is read as a time, m/s."""
+
+
+class _Transition(NamedTuple):
+    """The dynamics of a transition that takes time."""
+
+    dimension: str
+    """`rate`, `time` or `distance`."""
+    value: float
+    """Positive, in SI units."""
 
 
 def is_gradual(node: Element, name: str) -> bool:
-    """Return whether a transition takes time, after recording a way of telling it that is not known."""
-    return bool(_dynamics(node, name)[0])
+    """Return whether a transition takes time; an unknown dimension is noted."""
+    return _transition(node, name) is not None
 
 
 def deceleration(node: Element, speed: float) -> float:
     """Return the deceleration of a `SpeedAction` that ends a speed, m/s^2."""
-    kind, value = _dynamics(node, "SpeedActionDynamics")
-    if kind == "rate":
-        return value
-    if kind == "time":
-        return speed / value
-    if kind == "distance":
-        return 0.5 * speed * speed / value
-    node.note(f"a stop at once is read as a deceleration of {_AT_ONCE_MPS2:g} m/s^2")
-    return _AT_ONCE_MPS2
+    transition = _transition(node, "SpeedActionDynamics")
+    if transition is None:
+        node.note(f"a stop at once is read as a deceleration of {_AT_ONCE_MPS2:g} m/s^2")
+        return _AT_ONCE_MPS2
+    if transition.dimension == "rate":
+        return transition.value
+    if transition.dimension == "time":
+        return speed / transition.value
+    return 0.5 * speed * speed / transition.value
 
 
 def speed_change_s(node: Element, before: float, after: float) -> float:
-    """Return how long a `SpeedAction` takes, s."""
-    kind, value = _dynamics(node, "SpeedActionDynamics")
-    if kind == "rate":
-        return abs(after - before) / value
-    if kind == "distance":
-        return 2.0 * value / max(before + after, 1.0)
-    return value
+    """Return how long a `SpeedAction` takes, s; 0 if it is at once."""
+    transition = _transition(node, "SpeedActionDynamics")
+    if transition is None:
+        return 0.0
+    if transition.dimension == "rate":
+        return abs(after - before) / transition.value
+    if transition.dimension == "distance":
+        return 2.0 * transition.value / max(before + after, _SLOWEST_MPS)
+    return transition.value
 
 
 def lane_change_s(node: Element, speed: float) -> float:
     """Return how long a `LaneChangeAction` takes, s; 0 if it is at once."""
-    kind, value = _dynamics(node, "LaneChangeActionDynamics")
-    if kind == "rate":
-        return LANE_M / value
-    return value / max(speed, 1.0) if kind == "distance" else value
+    transition = _transition(node, "LaneChangeActionDynamics")
+    if transition is None:
+        return 0.0
+    if transition.dimension == "rate":
+        return LANE_M / transition.value
+    if transition.dimension == "distance":
+        return transition.value / max(speed, _SLOWEST_MPS)
+    return transition.value
 
 
-def _dynamics(node: Element, name: str) -> tuple[str, float]:
-    """Return the dimension and the value in which a transition is told, `""` for one at once."""
+def _transition(node: Element, name: str) -> _Transition | None:
+    """Return the dynamics of a transition, `None` for one at once."""
     dynamics = node.first(name)
     if dynamics is None:
-        return "", 0.0
+        return None
     value = dynamics.number("value")
     if value < 0.0:
         dynamics.note(f"value={value:g} is read as {-value:g}")
         value = -value
-    kind = dynamics.get("dynamicsDimension")
-    if kind not in ("rate", "time", "distance"):
-        dynamics.note(f"dynamicsDimension={kind[:40]!r} is read as at once")
-        return "", 0.0
+    dimension = dynamics.get("dynamicsDimension")
+    if dimension not in ("rate", "time", "distance"):
+        dynamics.note(f"dynamicsDimension={dimension[:40]!r} is read as at once")
+        return None
     if dynamics.get("dynamicsShape") == "step":
-        return "", 0.0
+        return None
     if value == 0.0:
-        if kind != "time":
-            dynamics.note(f"a {kind} of 0 is read as at once")
-        return "", 0.0
-    return kind, value
+        if dimension != "time":
+            dynamics.note(f"a {dimension} of 0 is read as at once")
+        return None
+    return _Transition(dimension, value)

@@ -10,9 +10,9 @@ from oodscen._xml_numbers import UNSIGNED
 
 _NAME = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
 _ARITHMETIC = re.compile(rf"(?:(?:[A-Za-z]+|{UNSIGNED})(?![\w.])|[-+*/%(),\s])*")
-_MOST = 200
-"""Maximum characters of an expression."""
-_DEEPEST = 50
+_MAX_CHARACTERS = 200
+"""Maximum length of an expression."""
+_MAX_DEPTH = 50
 """Maximum depth to which parameters depend on each other."""
 _OPERATORS: dict[type[ast.AST], Callable[[float, float], float]] = {
     ast.Add: operator.add,
@@ -48,13 +48,13 @@ def substituted(text: str, scope: Mapping[str, str]) -> str:
 
 
 class _Substitution:
-    """Works out the value of one attribute; each parameter is worked out once, however often it is named."""
+    """Computes the value of one attribute; each parameter is computed once, however often it is named."""
 
     def __init__(self, scope: Mapping[str, str]) -> None:
-        self.scope = scope
-        self.known: dict[str, str] = {}
-        self.taken: list[str] = []
-        """Parameters whose values are being worked out."""
+        self._scope = scope
+        self._values: dict[str, str] = {}
+        self._pending: list[str] = []
+        """Parameters whose values are being computed, each depending on the next."""
 
     def value(self, text: str) -> str:
         """Return a text with its parameters replaced."""
@@ -62,27 +62,27 @@ class _Substitution:
             return text
         if text.startswith("${") and text.endswith("}"):
             return _computed(_NAME.sub(lambda match: self._parameter(match[1]), text[2:-1]))
-        found = _NAME.fullmatch(text.strip())
-        return self._parameter(found[1]) if found else text
+        name = _NAME.fullmatch(text.strip())
+        return self._parameter(name[1]) if name else text
 
     def _parameter(self, name: str) -> str:
-        if name in self.taken:
+        if name in self._pending:
             raise ValueError(f"parameter {name[:60]!r} depends on itself")
-        if name not in self.scope:
+        if name not in self._scope:
             raise ValueError(f"there is no parameter {name[:60]!r}")
-        if len(self.taken) >= _DEEPEST:
-            raise ValueError(f"parameters depend on each other more than {_DEEPEST} deep")
-        if name not in self.known:
-            self.taken.append(name)
-            self.known[name] = self.value(self.scope[name])
-            self.taken.pop()
-        return self.known[name]
+        if len(self._pending) >= _MAX_DEPTH:
+            raise ValueError(f"parameters depend on each other more than {_MAX_DEPTH} deep")
+        if name not in self._values:
+            self._pending.append(name)
+            self._values[name] = self.value(self._scope[name])
+            self._pending.pop()
+        return self._values[name]
 
 
 def _computed(text: str) -> str:
     """Return the value of an expression; text that is not arithmetic stays as it is."""
-    if len(text) > _MOST:
-        raise ValueError(f"an expression has more than {_MOST} characters")
+    if len(text) > _MAX_CHARACTERS:
+        raise ValueError(f"an expression has more than {_MAX_CHARACTERS} characters")
     if not _ARITHMETIC.fullmatch(text):
         return text
     try:
@@ -91,7 +91,7 @@ def _computed(text: str) -> str:
         return text
     try:
         return repr(float(_value(tree.body)))
-    except (ZeroDivisionError, OverflowError, TypeError) as error:
+    except (ArithmeticError, TypeError, ValueError) as error:
         raise ValueError(f"{text[:60]!r} cannot be computed: {error}") from None
     except KeyError:
         return text

@@ -13,10 +13,11 @@ _GROUPS = {
     "LateralAction",
     "RoutingAction",
 }
+"""Elements that only group actions."""
 
 
 class PhaseEvent(NamedTuple):
-    """An event, with the act that it is in and those who do it."""
+    """An event, with its act and its actors."""
 
     act: Element
     event: Element
@@ -24,21 +25,22 @@ class PhaseEvent(NamedTuple):
 
 
 def steps(root: Element) -> Iterator[tuple[tuple[str, str], PhaseEvent]]:
-    """Yield the events of all stories by kind and name of every part that they are, have, or are in."""
+    """Yield the events of all stories, by kind and name of the event itself, its actions, and all parts around it."""
     for story in root.all("Storyboard", "Story"):
         for act in story.all("Act"):
             for group in act.within("ManeuverGroup"):
-                names = tuple(
+                actors = tuple(
                     element.get("entityRef") for element in group.all("Actors", "EntityRef")
                 )
                 for maneuver in group.all("Maneuver"):
                     for event in maneuver.all("Event"):
                         parts = (story, act, group, maneuver, event, *event.all("Action"))
-                        step = PhaseEvent(act, event, names)
-                        yield from ((_key(part), step) for part in parts)
+                        step = PhaseEvent(act, event, actors)
+                        yield from ((_kind_and_name(part), step) for part in parts)
 
 
-def _key(part: Element) -> tuple[str, str]:
+def _kind_and_name(part: Element) -> tuple[str, str]:
+    """Return how `StoryboardElementStateCondition` refers to a part."""
     return f"{part.name[0].lower()}{part.name[1:]}", part.get("name")
 
 
@@ -52,15 +54,17 @@ def leaves(action: Element) -> Iterator[Element]:
 
 
 def duration(event: Element, speed: float) -> float | None:
-    """Return how long an event of an entity takes, s, or `None` if an action of it has no known end."""
-    found = [
-        _lasts(node.touched(), speed) for action in event.all("Action") for node in leaves(action)
+    """Return how long an event of an entity takes, s, or `None` if one of its actions has no known end."""
+    durations_s = [
+        _action_duration(node.touch(), speed)
+        for action in event.all("Action")
+        for node in leaves(action)
     ]
-    known = [one for one in found if one is not None]
-    return max(known, default=0.0) if len(known) == len(found) else None
+    known_s = [duration_s for duration_s in durations_s if duration_s is not None]
+    return max(known_s, default=0.0) if len(known_s) == len(durations_s) else None
 
 
-def _lasts(node: Element, speed: float) -> float | None:
+def _action_duration(node: Element, speed: float) -> float | None:
     if node.name == "LaneChangeAction":
         return lane_change_s(node, speed)
     target = node.first("SpeedActionTarget", "AbsoluteTargetSpeed")

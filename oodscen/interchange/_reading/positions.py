@@ -57,22 +57,25 @@ class EntityPlace(NamedTuple):
 
     def lane_beside(self, count: int) -> int:
         """Return the id of the lane that is a number of lanes to the left in this one's direction."""
-        lane = self.lane + self.direction * count
-        return lane + self.direction if lane * self.lane <= 0 else lane
+        steps = self.direction * count
+        lane = self.lane + steps
+        if lane * self.lane <= 0:
+            lane += 1 if steps > 0 else -1
+        return lane
 
 
 class Roads(Protocol):
     """The places of lanes."""
 
-    def has_lane(self, road: str, s: float, lane: int) -> bool:
+    def has_lane(self, road_id: str, s: float, lane: int) -> bool:
         """Return whether a road has a lane at `s`."""
         ...
 
-    def reaches(self, road: str, s: float) -> bool:
+    def reaches(self, road_id: str, s: float) -> bool:
         """Return whether `s` is on a road."""
         ...
 
-    def at(self, node: Element, road: str, s: float, lane: int, offset: float) -> EntityPlace:
+    def at(self, node: Element, road_id: str, s: float, lane: int, offset: float) -> EntityPlace:
         """Return the pose at an offset from a lane's centre; lane 0 is the reference line."""
         ...
 
@@ -88,24 +91,24 @@ class Roads(Protocol):
 class StraightRoad:
     """One straight road, for scenarios without the file of their own roads."""
 
-    def __init__(self, *, is_left_hand: bool = False) -> None:
+    def __init__(self, *, is_left_hand: bool) -> None:
         """Choose the side to which traffic keeps."""
         self.is_left_hand = is_left_hand
 
-    def has_lane(self, road: str, s: float, lane: int) -> bool:
+    def has_lane(self, road_id: str, s: float, lane: int) -> bool:
         """Return whether a lane is one: all are but the reference line."""
         return lane != 0
 
-    def reaches(self, road: str, s: float) -> bool:
+    def reaches(self, road_id: str, s: float) -> bool:
         """Return true: the road has no ends."""
         return True
 
-    def at(self, node: Element, road: str, s: float, lane: int, offset: float) -> EntityPlace:
+    def at(self, node: Element, road_id: str, s: float, lane: int, offset: float) -> EntityPlace:
         """Return the pose on a road along x whose right lanes have negative ids."""
-        middle = (lane + 0.5 if lane < 0 else lane - 0.5) * LANE_M if lane else 0.0
+        centre = (lane + 0.5 if lane < 0 else lane - 0.5) * LANE_M if lane else 0.0
         is_along = lane == 0 or (lane > 0) is self.is_left_hand
         heading, direction = (0.0, 1) if is_along else (math.pi, -1)
-        return EntityPlace(s, middle + offset, heading, road, lane, s, direction)
+        return EntityPlace(s, centre + offset, heading, road_id, lane, s, direction)
 
     def in_lane(self, pose: EntityPlace) -> EntityPlace:
         """Return the pose as it is: where the lanes of the file's own roads lie is not known."""
@@ -116,6 +119,15 @@ class StraightRoad:
         return pose.direction or (1 if math.cos(pose.heading) >= 0.0 else -1)
 
 
+class _RoadSample(NamedTuple):
+    """One of the points of a road among which the nearest to a pose is looked for."""
+
+    road: Road
+    s: float
+    distance_m: float
+    """Distance from the pose, m."""
+
+
 class MappedRoads:
     """The roads of an OpenDRIVE file."""
 
@@ -124,46 +136,50 @@ class MappedRoads:
         self._samples: dict[str, tuple[Floats, Floats, Floats]] = {}
         """Places s and points x and y among which the nearest is looked for, by road."""
 
-    def at(self, node: Element, road: str, s: float, lane: int, offset: float) -> EntityPlace:
+    def at(self, node: Element, road_id: str, s: float, lane: int, offset: float) -> EntityPlace:
         """Return the pose on a road of the file.
 
         Raises:
             DataError: If there is no such road or lane, or the road ends before.
         """
-        found = self.network.roads.get(road)
-        if found is None:
-            raise node.fault(f"the map has no road {road[:40]!r}")
-        if not self.reaches(road, s):
-            raise node.fault(f"road {road[:40]!r} goes from 0 to {found.length:g} m, not to {s:g}")
-        s = min(max(s, 0.0), found.length)
-        point = road_point(found, s)
-        centres = _centres(found, s)
+        road = self.network.roads.get(road_id)
+        if road is None:
+            raise node.fault(f"the map has no road {road_id[:40]!r}")
+        if not self.reaches(road_id, s):
+            raise node.fault(
+                f"road {road_id[:40]!r} goes from 0 to {road.length:g} m, not to {s:g}"
+            )
+        s = min(max(s, 0.0), road.length)
+        point = road_point(road, s)
+        centres = _centres(road, s)
         if lane not in centres:
-            raise node.fault(f"road {road[:40]!r} has no lane {lane} at {s:g} m")
+            raise node.fault(f"road {road_id[:40]!r} has no lane {lane} at {s:g} m")
         t = centres[lane] + offset
         x, y = point.x - t * math.sin(point.heading), point.y + t * math.cos(point.heading)
-        direction = _direction(found, s, lane)
+        direction = _direction(road, s, lane)
         heading = point.heading + (math.pi if direction < 0 else 0.0)
-        return EntityPlace(x, y, heading, road, lane, s, direction)
+        return EntityPlace(x, y, heading, road_id, lane, s, direction)
 
-    def has_lane(self, road: str, s: float, lane: int) -> bool:
+    def has_lane(self, road_id: str, s: float, lane: int) -> bool:
         """Return whether a road has a lane at `s`; the reference line is none."""
-        found = self.network.roads.get(road)
-        return found is not None and lane != 0 and lane in _lanes(found, s)
+        road = self.network.roads.get(road_id)
+        return road is not None and lane != 0 and lane in _lanes(road, s)
 
-    def reaches(self, road: str, s: float) -> bool:
+    def reaches(self, road_id: str, s: float) -> bool:
         """Return whether `s` is on a road, but for rounding."""
-        return -_OVERHANG_M <= s <= self.network.roads[road].length + _OVERHANG_M
+        return -_OVERHANG_M <= s <= self.network.roads[road_id].length + _OVERHANG_M
 
     def nearest(self, pose: EntityPlace) -> tuple[Road, float, bool]:
         """Return the road of a pose, s on it, and true if the pose heads along it."""
-        _, road, near = min(
-            (self._sampled(candidate, pose) for candidate in self._candidates(pose)),
-            key=lambda found: found[0],
+        nearest = min(
+            (self._nearest_sample(road, pose) for road in self._candidates(pose)),
+            key=lambda sample: sample.distance_m,
         )
-        s = _projected(road, pose, near)
-        along = math.cos(road_point(road, s).heading - pose.heading) >= 0.0
-        return road, s, pose.direction > 0 if pose.direction else along
+        s = _projected(nearest.road, pose, nearest.s)
+        if pose.direction:
+            return nearest.road, s, pose.direction > 0
+        heading = road_point(nearest.road, s).heading
+        return nearest.road, s, math.cos(heading - pose.heading) >= 0.0
 
     def in_lane(self, pose: EntityPlace) -> EntityPlace:
         """Return a pose with the lane whose centre is nearest, unless it has one or is off all roads."""
@@ -173,8 +189,10 @@ class MappedRoads:
         point = road_point(road, s)
         ahead, left = pose.offset_from(EntityPlace(point.x, point.y, point.heading))
         centres = {lane: t for lane, t in _centres(road, s).items() if lane}
-        lane = min(centres, key=lambda centre: abs(centres[centre] - left), default=0)
-        if not lane or math.hypot(ahead, centres[lane] - left) > LANE_M:
+        if not centres:
+            return pose
+        lane = min(centres, key=lambda lane: abs(centres[lane] - left))
+        if math.hypot(ahead, centres[lane] - left) > LANE_M:
             return pose
         return pose._replace(road=road.id, lane=lane, s=s, direction=_direction(road, s, lane))
 
@@ -189,16 +207,15 @@ class MappedRoads:
             along = math.cos(line.heading - pose.heading) >= 0.0
         return 1 if along else -1
 
-    def _sampled(self, road: Road, pose: EntityPlace) -> tuple[float, Road, float]:
-        """Return the distance of the nearest sample of a road, the road, and its s."""
+    def _nearest_sample(self, road: Road, pose: EntityPlace) -> _RoadSample:
         if road.id not in self._samples:
             steps = max(1, int(road.length / _SAMPLE_M))
             s = road.length * np.arange(steps + 1) / steps
             self._samples[road.id] = (s, *road_points(road, s)[:2])
         s, x, y = self._samples[road.id]
-        far = np.hypot(x - pose.x, y - pose.y)
-        nearest = int(np.argmin(far))
-        return float(far[nearest]), road, float(s[nearest])
+        distances_m = np.hypot(x - pose.x, y - pose.y)
+        nearest = int(np.argmin(distances_m))
+        return _RoadSample(road, float(s[nearest]), float(distances_m[nearest]))
 
     def _candidates(self, pose: EntityPlace) -> list[Road]:
         """Return the road that a pose names, or all outside junctions."""
@@ -207,14 +224,14 @@ class MappedRoads:
         return [road for road in self.network.roads.values() if not road.junction]
 
 
-def _projected(road: Road, pose: EntityPlace, near: float) -> float:
-    """Return s of the point of a reference line that a pose stands beside, from an s near it."""
-    s = near
+def _projected(road: Road, pose: EntityPlace, near_s: float) -> float:
+    """Return s of the point of a reference line that is nearest to a pose, from an s near it."""
+    s = near_s
     for _ in range(_STEPS):
         point = road_point(road, s)
         along, left = pose.offset_from(EntityPlace(point.x, point.y, point.heading))
         bend = max(1.0 - point.curvature * left, 0.1)
-        s = min(max(s + along / bend, 0.0, near - _SAMPLE_M), road.length, near + _SAMPLE_M)
+        s = min(max(s + along / bend, 0.0, near_s - _SAMPLE_M), road.length, near_s + _SAMPLE_M)
     return s
 
 
@@ -239,21 +256,18 @@ def _centres(road: Road, s: float) -> dict[int, float]:
     centres = {0: base}
     for side in (1, -1):
         edge = base
-        for lane in sorted((one for one in section.lanes if one.id * side > 0), key=_from_middle):
+        lanes = [lane for lane in section.lanes if lane.id * side > 0]
+        for lane in sorted(lanes, key=lambda lane: abs(lane.id)):
             width = piecewise(lane.widths, s - section.s)
             centres[lane.id] = edge + side * 0.5 * width
             edge += side * width
     return centres
 
 
-def _from_middle(lane: Lane) -> int:
-    return abs(lane.id)
-
-
 class Positions:
     """Reads positions, also those relative to entities whose poses are known."""
 
-    def __init__(self, roads: Roads, *, is_mirrored: bool = False) -> None:
+    def __init__(self, roads: Roads, *, is_mirrored: bool) -> None:
         """Start without entities.
 
         World positions have y to the right if they are mirrored, as those for CARLA may be.
@@ -268,27 +282,24 @@ class Positions:
         return None if pose is None else self.roads.in_lane(pose)
 
     def reference(self, holder: Element) -> str:
-        """Return the entity to which a `Position` is relative, if it is."""
+        """Return the entity to which a `Position` is relative, or an empty text."""
         return next((child.get("entityRef") for child in holder.children()), "")
 
     def read(self, holder: Element) -> EntityPlace | None:
         """Return the pose of a `Position`, or `None` after recording that it cannot be used."""
-        for node in holder.children():
-            place = self._pose(node)
-            if place is not None:
-                return _turned(node, place)
-            reference = node.get("entityRef")
-            node.leave_out(
-                f"is relative to {reference[:40]!r}, whose place is not known"
-                if reference
-                else "this kind of position is not read"
-            )
+        node = next(holder.children(), None)
+        if node is None:
             return None
-        return None
-
-    def _pose(self, node: Element) -> EntityPlace | None:
         reader = _READERS.get(node.name)
-        return None if reader is None else reader(self, node)
+        place = None if reader is None else reader(self, node)
+        if place is not None:
+            return _turned(node, place)
+        reference = node.get("entityRef")
+        if reference:
+            node.leave_out(f"is relative to {reference[:40]!r}, whose place is not known")
+        else:
+            node.leave_out("this kind of position is not read")
+        return None
 
     def _world(self, node: Element) -> EntityPlace:
         y, heading = self.side * node.number("y"), self.side * node.number("h", 0.0)
@@ -305,7 +316,9 @@ class Positions:
 
     def _relative_object(self, node: Element) -> EntityPlace | None:
         origin = self.known.get(node.get("entityRef"))
-        return origin and origin.moved(node.number("dx"), node.number("dy"))
+        if origin is None:
+            return None
+        return origin.moved(node.number("dx"), node.number("dy"))
 
     def _relative_world(self, node: Element) -> EntityPlace | None:
         origin = self.known.get(node.get("entityRef"))
@@ -349,11 +362,11 @@ _READERS: dict[str, Callable[[Positions, Element], EntityPlace | None]] = {
 
 
 def _turned(node: Element, pose: EntityPlace) -> EntityPlace:
-    """Apply an orientation."""
+    """Return a pose with the orientation that a position gives."""
     orientation = node.first("Orientation")
     if orientation is None:
         return pose
-    turn = orientation.number("h", 0.0)
+    heading = orientation.number("h", 0.0)
     if orientation.word("type", "absolute", "relative") == "relative":
-        return pose._replace(heading=pose.heading + turn)
-    return pose._replace(heading=turn) if orientation.get("h") else pose
+        return pose._replace(heading=pose.heading + heading)
+    return pose._replace(heading=heading) if orientation.get("h") else pose

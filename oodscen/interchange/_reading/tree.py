@@ -1,6 +1,7 @@
 """The tree of an OpenSCENARIO file with its parameters and catalogue references resolved."""
 
 import math
+import os
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
@@ -16,11 +17,12 @@ Scope = Mapping[str, str]
 
 NOUN = "OpenSCENARIO file"
 _TRACES = (".osi", ".mcap")
-"""Suffixes of traces of runs."""
-_LARGEST = 1e9
-_DEEPEST = 6
+"""Suffixes of traces of runs, which are no scenarios."""
+_MAX_NUMBER = 1e9
+_MAX_DEPTH = 6
 """Maximum number of catalogue references within each other."""
 _MAX_CATALOGUES = 200
+"""Maximum number of files that are read in one folder of catalogues."""
 _MAX_REFERENCES = 20_000
 """Maximum number of catalogue references that are followed in one file, repetitions included."""
 
@@ -47,7 +49,7 @@ class OpenScenarioFile:
         self.touched: set[etree._Element] = set()
         """Elements that were read themselves or below."""
         self.settled: set[etree._Element] = set()
-        """Elements with nothing more to tell: they are listed as left out, or mean nothing here."""
+        """Elements that need no further note: they are listed as left out, or mean nothing here."""
         self.entered: dict[etree._Element, None] = {}
         """Catalogue entries that references were resolved to."""
         self._catalogues: _Catalogues | None = None
@@ -56,33 +58,52 @@ class OpenScenarioFile:
         if self.root.first("Storyboard") is None:
             raise self.root.fault("has no Storyboard: it is a catalogue or a distribution")
 
+    def header(self) -> "Element":
+        """Return the header.
+
+        Raises:
+            DataError: If there is none.
+        """
+        header = self.root.first("FileHeader")
+        if header is None:
+            raise self.root.fault("has no FileHeader")
+        return header
+
+    def missing(self, issue: Issue) -> DataError:
+        """Return the error for the lack of what a scene must have, with all omissions, which may be its cause."""
+        return DataError(NOUN, [issue, *self.omissions], source=str(self.path))
+
     def entry(self, reference: "Element", depth: int) -> "Element":
         """Return the catalogue entry that a reference names, with its parameters assigned.
 
         Raises:
             DataError: If there is no such catalogue or entry.
         """
-        if depth > _DEEPEST:
-            raise reference.fault(f"catalogue references are nested more than {_DEEPEST} deep")
+        if depth > _MAX_DEPTH:
+            raise reference.fault(f"catalogue references are nested more than {_MAX_DEPTH} deep")
         self._followed += 1
         if self._followed > _MAX_REFERENCES:
             raise reference.fault(f"more than {_MAX_REFERENCES} catalogue references are followed")
         element = self._entry(reference)
-        given = {}
-        for one in reference.element.iter():
-            if name_of(one) == "ParameterAssignment":
-                assigned = Element(self, one, reference.scope)
-                given[assigned.get("parameterRef").lstrip("$")] = assigned.get("value")
+        assigned = self._assigned(reference)
         self.entered[element] = None
-        declared = declarations(element)
-        return Element(self, element, {**reference.scope, **declared, **given}, depth + 1, given)
+        return Element(self, element, reference.scope, depth + 1, assigned)
 
     def touch(self, element: etree._Element) -> None:
         """Record that an element is read, and with it that those around it are entered."""
-        one: etree._Element | None = element
-        while one is not None and one not in self.touched:
-            self.touched.add(one)
-            one = one.getparent()
+        ancestor: etree._Element | None = element
+        while ancestor is not None and ancestor not in self.touched:
+            self.touched.add(ancestor)
+            ancestor = ancestor.getparent()
+
+    def _assigned(self, reference: "Element") -> dict[str, str]:
+        """Return the parameters of a catalogue entry that a reference assigns."""
+        assigned = {}
+        for element in reference.element.iter():
+            if name_of(element) == "ParameterAssignment":
+                assignment = Element(self, element, reference.scope)
+                assigned[assignment.get("parameterRef").lstrip("$")] = assignment.get("value")
+        return assigned
 
     def _entry(self, reference: "Element") -> etree._Element:
         """Return the entry that a reference names."""
@@ -92,7 +113,7 @@ class OpenScenarioFile:
         elements = self._catalogues.entries.get((catalogue, name), [])
         if not elements:
             message = f"no catalogue {catalogue[:60]!r} has an entry {name[:60]!r}"
-            raise reference.fault("; ".join([message, *self._catalogues.unread]))
+            raise reference.fault("; ".join([message, *self._catalogues.faults]))
         if len(elements) > 1:
             reference.note(
                 f"the entry {name[:60]!r} occurs {len(elements)} times; the first counts"
@@ -108,17 +129,22 @@ class OpenScenarioFile:
 
 
 class _Catalogues:
-    """The entries of the catalogues in some folders, and the files that could not be read."""
+    """The entries of the catalogues in some folders."""
 
     def __init__(self, folders: Iterable[Path]) -> None:
         self.entries: dict[tuple[str, str], list[etree._Element]] = {}
-        self.unread: list[str] = []
-        for folder in dict.fromkeys(one.resolve() for one in folders):
-            if not folder.is_dir():
-                self.unread.append(f"there is no folder {folder.name[:60]!r}")
+        self.faults: list[str] = []
+        """Reasons why folders and files could not be read."""
+        for folder in dict.fromkeys(folder.resolve() for folder in folders):
+            if not os.path.isdir(folder):  # False also for a name that is too long.
+                self.faults.append(f"there is no folder {folder.name[:60]!r}")
                 continue
-            for path in sorted(folder.glob("*.xosc"))[:_MAX_CATALOGUES]:
+            paths = sorted(folder.glob("*.xosc"))
+            for path in paths[:_MAX_CATALOGUES]:
                 self._add(path)
+            if len(paths) > _MAX_CATALOGUES:
+                excess = len(paths) - _MAX_CATALOGUES
+                self.faults.append(f"the last {excess} files in {folder.name[:60]!r} are not read")
 
     def _add(self, path: Path) -> None:
         try:
@@ -126,7 +152,7 @@ class _Catalogues:
             root = Document(str(path), "OpenSCENARIO").parse(data)
             root.element.getroottree().docinfo.URL = path.name
         except DataError as error:
-            self.unread.append(f"{path.name} cannot be read: {error.issues[0].message[:200]}")
+            self.faults.append(f"{path.name} cannot be read: {error.issues[0].message[:200]}")
             return
         for catalogue in root.all("Catalog"):
             for entry in catalogue.element:
@@ -138,11 +164,11 @@ class _Catalogues:
 def declarations(element: etree._Element) -> dict[str, str]:
     """Return the parameters that an element declares itself, by name, as written."""
     return {
-        one.get("name", ""): one.get("value", "")
+        declaration.get("name", ""): declaration.get("value", "")
         for child in element
         if name_of(child) == "ParameterDeclarations"
-        for one in child
-        if name_of(one) == "ParameterDeclaration"
+        for declaration in child
+        if name_of(declaration) == "ParameterDeclaration"
     }
 
 
@@ -182,25 +208,25 @@ class Element:
 
     def fault(self, message: str, attribute: str = "") -> DataError:
         """Return the error that refuses the file for a fault here."""
-        where = f"{self.where} @{attribute}" if attribute else self.where
-        return DataError(NOUN, [Issue(where, message)], source=str(self.tree.path))
+        path = f"{self.where} @{attribute}" if attribute else self.where
+        return DataError(NOUN, [Issue(path, message)], source=str(self.tree.path))
 
-    def leave_out(self, why: str) -> None:
+    def leave_out(self, reason: str) -> None:
         """Record that a scene cannot hold this element."""
-        self.note(why)
+        self.note(reason)
         self.settle()
 
-    def note(self, what: str) -> None:
+    def note(self, message: str) -> None:
         """Record that this element is read otherwise than it is written."""
-        self.tree.omissions[Issue(self.where, what)] = None
+        self.tree.omissions[Issue(self.where, message)] = None
 
-    def touched(self) -> "Element":
-        """Return this node after recording that it is read."""
+    def touch(self) -> "Element":
+        """Record that this element is read, and return it."""
         self.tree.touch(self.element)
         return self
 
     def settle(self) -> None:
-        """Record that nothing more is to be told of this element and those in it."""
+        """Record that this element and those in it need no further note."""
         self.tree.touch(self.element)
         self.tree.settled.add(self.element)
 
@@ -233,17 +259,17 @@ class Element:
             value = double(text)
         except ValueError:
             value = math.inf
-        if abs(value) > _LARGEST:
+        if abs(value) > _MAX_NUMBER:
             raise self.fault(f"{text[:40]!r} is not a number within +-1e9", name)
         return value
 
-    def integer(self, name: str, default: int | None = None) -> int:
+    def integer(self, name: str) -> int:
         """Return an integer attribute.
 
         Raises:
-            DataError: If it is missing without a default, or no integer.
+            DataError: If it is missing, or no integer.
         """
-        value = self.number(name, default)
+        value = self.number(name)
         if not value.is_integer():
             raise self.fault(f"{value:g} is not an integer", name)
         return int(value)
@@ -253,19 +279,22 @@ class Element:
         return self.word(name, "false", "true", "0", "1") in ("true", "1")
 
     def word(self, name: str, usual: str, *others: str) -> str:
-        """Return an attribute that is one of some words, the usual one if it is missing or, as recorded, unknown."""
+        """Return an attribute that is one of some words: the usual one if it is missing, or unknown and noted."""
         word = self.get(name).strip() or usual
         if word in (usual, *others):
             return word
         self.note(f"{name}={word[:40]!r} is read as {usual!r}")
         return usual
 
-    def bounded(self, value: float, low: float, high: float, what: str) -> float:
-        """Return the value nearest to one of this element that a scene can hold, and record that it differs."""
-        kept = min(max(value, low), high)
-        if kept != value:
-            self.note(f"{what} {value:g} is read as {kept:g}")
-        return kept
+    def bounded(self, value: float, low: float, high: float, quantity: str) -> float:
+        """Return the value between two limits that is nearest to one of this element, and note a difference.
+
+        `quantity` begins the note: "a speed of".
+        """
+        nearest = min(max(value, low), high)
+        if nearest != value:
+            self.note(f"{quantity} {value:g} is read as {nearest:g}")
+        return nearest
 
     def children(self) -> Iterator["Element"]:
         """Yield the child elements, with catalogue references resolved."""
@@ -282,7 +311,7 @@ class Element:
             if element is None:
                 return None
             element = next((child for child in element.children() if child.name == name), None)
-        return element and element.touched()
+        return None if element is None else element.touch()
 
     def all(self, *names: str) -> list["Element"]:
         """Return the elements at the end of a chain of names, in order."""
@@ -291,11 +320,11 @@ class Element:
             elements = [
                 child for parent in elements for child in parent.children() if child.name == name
             ]
-        return [element.touched() for element in elements]
+        return [element.touch() for element in elements]
 
     def within(self, name: str) -> Iterator["Element"]:
         """Yield all descendants of a name, references resolved."""
         for child in self.children():
             if child.name == name:
-                yield child.touched()
+                yield child.touch()
             yield from child.within(name)

@@ -14,8 +14,8 @@ OSI_VERSION = "3.7.0"
 TRUTH, ROAD = "osi3.GroundTruth", "osi3.MapAsamOpenDrive"
 _TOPICS = {TRUTH: "ground_truth", ROAD: "ground_truth_map"}
 """Topics by message type, as omega-prime has them."""
-_MADE = "2026-01-01T00:00:00Z"
-"""Time of making in every file: the same run gives the same bytes."""
+_CREATION_TIME = "2026-01-01T00:00:00Z"
+"""Creation time in every file: the same run gives the same bytes."""
 _MAGIC = b"\x89MCAP0\r\n"
 """First and last bytes of a file."""
 _MAX_RECORD_BYTES = 256 * 1024 * 1024
@@ -34,17 +34,19 @@ def mcap_trace(messages: Iterator[tuple[int, bytes]], road: RoadFile) -> bytes:
     out = io.BytesIO()
     writer = Writer(out)
     writer.start(library="oodscen")
-    made = betterosi.io.prepare_required_file_metadata({"creation_time": _MADE}, OSI_VERSION)
-    writer.add_metadata(betterosi.io.OSI_TRACE_METADATA_NAME, made)
-    about = betterosi.io.prepare_channel_metadata(version=OSI_VERSION)
+    metadata = betterosi.io.prepare_required_file_metadata(
+        {"creation_time": _CREATION_TIME}, OSI_VERSION
+    )
+    writer.add_metadata(betterosi.io.OSI_TRACE_METADATA_NAME, metadata)
+    channel_metadata = betterosi.io.prepare_channel_metadata(version=OSI_VERSION)
     channels = {}
     for kind, topic in _TOPICS.items():
         schema = writer.register_schema(kind, "protobuf", _message_types(kind))
-        channels[kind] = writer.register_channel(topic, "protobuf", schema, about)
-    named = betterosi.MapAsamOpenDrive(
+        channels[kind] = writer.register_channel(topic, "protobuf", schema, channel_metadata)
+    road_message = betterosi.MapAsamOpenDrive(
         map_reference=road.name, open_drive_xml_content=road.content.decode("utf-8", "replace")
     )
-    writer.add_message(channels[ROAD], 0, named.to_binary(), 0)
+    writer.add_message(channels[ROAD], 0, road_message.to_binary(), 0)
     for time_ns, message in messages:
         writer.add_message(channels[TRUTH], time_ns, message, time_ns)
     writer.finish()
@@ -66,23 +68,22 @@ def mcap_messages(data: bytes, source: str) -> list[bytes]:
     if not data.endswith(_MAGIC):
         raise _fault("is cut off: MCAP files end as they begin", source)
     try:
-        topics = None if _largest_chunk(data) > _MAX_RECORD_BYTES else _topics(data)
+        is_too_large = _largest_chunk_bytes(data) > _MAX_RECORD_BYTES
+        topics = {} if is_too_large else _topics(data)
     except Exception:
         # The reader lets errors of several packages through, in words of their own.
         raise _fault("is damaged: a record of the MCAP file cannot be read", source) from None
-    if topics is None:
-        raise _fault("a chunk has more than 256 MiB", source)
-    own = [_TOPICS[TRUTH]] if _TOPICS[TRUTH] in topics else list(topics)
-    if len(own) > 1:
-        raise _fault(
-            f"has ground truth in the topics {', '.join(sorted(own))}, and none is {_TOPICS[TRUTH]!r}",
-            source,
-        )
-    timed = topics[own[0]] if own else []
+    if is_too_large:
+        raise _fault(f"a chunk has more than {_MAX_RECORD_BYTES >> 20} MiB", source)
+    usual = _TOPICS[TRUTH]
+    if usual not in topics and len(topics) > 1:
+        names = ", ".join(sorted(topics))
+        raise _fault(f"has ground truth in the topics {names}, and none is {usual!r}", source)
+    timed = topics.get(usual) or next(iter(topics.values()), [])
     return [message for _, message in sorted(timed, key=itemgetter(0))]
 
 
-def _largest_chunk(data: bytes) -> int:
+def _largest_chunk_bytes(data: bytes) -> int:
     """Return the size of the largest chunk when unpacked, in bytes."""
     from mcap.records import Chunk
     from mcap.stream_reader import StreamReader
@@ -130,18 +131,19 @@ def _message_types(kind: str) -> bytes:
     import betterosi.io
     from protobuf.wkt import FileDescriptorSet
 
-    described = FileDescriptorSet.from_binary(betterosi.io.load_descriptor_set(OSI_VERSION))
-    files = {one.name: one for one in described.file}
-    package, _, name = kind.partition(".")
+    every_file = FileDescriptorSet.from_binary(betterosi.io.load_descriptor_set(OSI_VERSION)).file
+    files = {file.name: file for file in every_file}
+    package, _, type_name = kind.partition(".")
     needed = [
-        one.name
-        for one in described.file
-        if one.package == package and any(it.name == name for it in one.message_type)
+        file.name
+        for file in every_file
+        if file.package == package
+        and any(message.name == type_name for message in file.message_type)
     ]
-    for one in needed:
-        needed += [other for other in files[one].dependency if other not in needed]
-    for one in described.file:
-        one.source_code_info = None
-    kept = [one for one in described.file if one.name in needed]
-    encoded: bytes = FileDescriptorSet(file=kept).to_binary()
+    for name in needed:  # It grows by the files on which these depend.
+        needed += [other for other in files[name].dependency if other not in needed]
+    for file in every_file:
+        file.source_code_info = None
+    selected = [file for file in every_file if file.name in needed]
+    encoded: bytes = FileDescriptorSet(file=selected).to_binary()
     return encoded

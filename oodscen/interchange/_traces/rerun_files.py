@@ -31,8 +31,12 @@ _DEPTH_UNITS_PER_M = 100.0
 """Units of written depths in a metre."""
 _LINE_M = 2.0
 """Distance between two points of a lane's edge, m."""
+Colour = tuple[int, int, int]
+
 _EGO, _HAZARD, _OTHER = (40, 120, 240), (230, 60, 40), (150, 150, 150)
 """Colours of bodies."""
+_LANE = (90, 90, 90)
+"""Colour of the edges of lanes."""
 
 
 def write_rerun(
@@ -70,10 +74,9 @@ def write_rerun(
     corridor = load_corridor(scene.map, catalogue)
     unrendered = UnrenderedSimulator(catalogue)
     approach(scene, unrendered, seed)
-    offered = [name for name in ACTIONS if is_available(name, unrendered.observe())]
-    runs = {
-        name: replayed(scene, unrendered, name, seed) for name in dict.fromkeys((action, *offered))
-    }
+    available = [name for name in ACTIONS if is_available(name, unrendered.observe())]
+    names = dict.fromkeys((action, *available))
+    runs = {name: replayed(scene, unrendered, name, seed) for name in names}
     bodies = entities(scene, catalogue)
     with TemporaryDirectory() as folder:
         part = Path(folder) / "run.rrd"
@@ -138,8 +141,8 @@ def _views(rerun: Any) -> Any:
             views.Vertical(
                 views.Spatial3DView(origin="/world", name="world"),
                 *(
-                    views.TimeSeriesView(origin="/actions", contents=f"$origin/*/{what}", name=what)
-                    for what in ("speed", "acceleration", "distance")
+                    views.TimeSeriesView(origin="/actions", contents=f"$origin/*/{name}", name=name)
+                    for name in ("speed", "acceleration", "distance")
                 ),
             ),
         )
@@ -163,40 +166,36 @@ class _Log:
                 for edge in (strip.left, strip.right):
                     points = (road.x - road.sin * edge, road.y + road.cos * edge, road.z)
                     lines.append(np.stack(points, axis=1)[thin])
-        colour = [90, 90, 90]
-        self.stream.log("world/lanes", self.rerun.LineStrips3D(lines, colors=colour), static=True)
+        self.stream.log("world/lanes", self.rerun.LineStrips3D(lines, colors=_LANE), static=True)
         plans = [_plan(line) for line in lines]
-        self.stream.log("plan/lanes", self.rerun.LineStrips2D(plans, colors=colour), static=True)
+        self.stream.log("plan/lanes", self.rerun.LineStrips2D(plans, colors=_LANE), static=True)
 
     def bodies(self, scene: Scene, bodies: list[Entity], run: RecordedRun) -> None:
-        """Write the boxes of all bodies and their courses."""
-        rerun, times = self.rerun, self._times(run)
-        colours = [
-            _EGO if body.name == "ego" else _HAZARD if body.name in scene.hazard.actors else _OTHER
-            for body in bodies
-        ]
-        for row, body in enumerate(bodies):
-            size, poses, name = body.asset, run.poses[:, row], f"world/{body.name}"
-            half = 0.5 * np.array([size.length, size.width, size.height])
-            box = rerun.Boxes3D(
-                half_sizes=[half],
-                centers=[[0, 0, half[2]]],
-                labels=body.name,
-                colors=[colours[row]],
-            )
-            self.stream.log(f"{name}/box", box, static=True)
-            turned = np.zeros((len(poses), 4))
-            turned[:, 2], turned[:, 3] = np.sin(0.5 * poses[:, 3]), np.cos(0.5 * poses[:, 3])
-            course = rerun.Transform3D.columns(translation=poses[:, :3], quaternion=turned)
-            self.stream.send_columns(name, [times], course)
+        """Write the boxes of all bodies and their courses, in the world and in the plan."""
+        colours = [_colour(body, scene) for body in bodies]
+        for body, colour, poses in zip(bodies, colours, run.poses.swapaxes(0, 1), strict=True):
+            self._body(body, colour, poses, self._times(run))
         outlines = np.stack(
             [_outlines(run.poses[:, row], body) for row, body in enumerate(bodies)], 1
         )
         names = [body.name for body in bodies]
         for time, shapes in zip(run.time.tolist(), outlines, strict=True):
             self.stream.set_time(_TIME, duration=time)
-            strips = rerun.LineStrips2D(list(shapes), colors=colours, labels=names)
+            strips = self.rerun.LineStrips2D(list(shapes), colors=colours, labels=names)
             self.stream.log("plan/bodies", strips)
+
+    def _body(self, body: Entity, colour: Colour, poses: Floats, times: Any) -> None:
+        """Write the box of one body and its course, [n, 4], in the world."""
+        rerun, size, path = self.rerun, body.asset, f"world/{body.name}"
+        half = 0.5 * np.array([size.length, size.width, size.height])
+        box = rerun.Boxes3D(
+            half_sizes=[half], centers=[[0, 0, half[2]]], labels=body.name, colors=[colour]
+        )
+        self.stream.log(f"{path}/box", box, static=True)
+        quaternions = np.zeros((len(poses), 4))
+        quaternions[:, 2], quaternions[:, 3] = np.sin(0.5 * poses[:, 3]), np.cos(0.5 * poses[:, 3])
+        course = rerun.Transform3D.columns(translation=poses[:, :3], quaternion=quaternions)
+        self.stream.send_columns(path, [times], course)
 
     def action(self, name: str, run: RecordedRun) -> None:
         """Write the ego's path, speed, acceleration and distance to the nearest body, centre to centre, by one action."""
@@ -204,29 +203,29 @@ class _Log:
         path = rerun.LineStrips2D([_plan(run.poses[:, 0])], labels=name)
         self.stream.log(f"plan/actions/{name}", path, static=True)
         speeds = run.speeds[:, 0]
-        apart = run.poses[:, 1:, :2] - run.poses[:, :1, :2]
-        values = {"speed": speeds, "acceleration": np.gradient(speeds, run.dt)}
-        if apart.shape[1]:
-            values["distance"] = np.hypot(apart[:, :, 0], apart[:, :, 1]).min(axis=1)
-        for what, column in values.items():
+        columns = {"speed": speeds, "acceleration": np.gradient(speeds, run.dt)}
+        offsets = run.poses[:, 1:, :2] - run.poses[:, :1, :2]
+        if offsets.shape[1]:
+            columns["distance"] = np.hypot(offsets[:, :, 0], offsets[:, :, 1]).min(axis=1)
+        for quantity, column in columns.items():
             scalars = rerun.Scalars.columns(scalars=column)
-            self.stream.send_columns(f"actions/{name}/{what}", [times], scalars)
+            self.stream.send_columns(f"actions/{name}/{quantity}", [times], scalars)
 
     def camera(self, camera: Camera) -> None:
         """Write the camera's place on the ego and its lens."""
         rerun, name = self.rerun, "world/ego/camera"
         half_yaw = 0.5 * math.radians(camera.yaw_deg)
         half_pitch = 0.5 * math.radians(camera.pitch_deg)
-        turned = (
+        attitude = (
             -math.sin(half_yaw) * math.sin(half_pitch),
             math.cos(half_yaw) * math.sin(half_pitch),
             math.sin(half_yaw) * math.cos(half_pitch),
             math.cos(half_yaw) * math.cos(half_pitch),
         )
-        place = rerun.Transform3D(
-            translation=(camera.x, camera.y, camera.z), quaternion=rerun.Quaternion(xyzw=turned)
+        mount = rerun.Transform3D(
+            translation=(camera.x, camera.y, camera.z), quaternion=rerun.Quaternion(xyzw=attitude)
         )
-        self.stream.log(name, place, static=True)
+        self.stream.log(name, mount, static=True)
         lens = rerun.Pinhole(
             focal_length=0.5 * camera.width / math.tan(math.radians(0.5 * camera.fov_deg)),
             width=camera.width,
@@ -240,12 +239,18 @@ class _Log:
         frame, name = render_checked(simulator, camera, len(state.ids)), "world/ego/camera"
         self.stream.set_time(_TIME, duration=state.time)
         self.stream.log(f"{name}/picture", self.rerun.Image(frame.rgb).compress())
-        near = np.where(frame.depth < _FARTHEST_M, frame.depth, 0.0)
-        depth = np.round(near * _DEPTH_UNITS_PER_M).astype(np.uint16)
+        depth_m = np.where(frame.depth < _FARTHEST_M, frame.depth, 0.0)
+        depth = np.round(depth_m * _DEPTH_UNITS_PER_M).astype(np.uint16)
         self.stream.log(f"{name}/depth", self.rerun.DepthImage(depth, meter=_DEPTH_UNITS_PER_M))
 
     def _times(self, run: RecordedRun) -> Any:
         return self.rerun.TimeColumn(_TIME, duration=run.time)
+
+
+def _colour(body: Entity, scene: Scene) -> Colour:
+    if body.name == "ego":
+        return _EGO
+    return _HAZARD if body.name in scene.hazard.actors else _OTHER
 
 
 def _plan(points: Floats) -> Floats:

@@ -68,17 +68,17 @@ def start_of(world: KinematicWorld, time: Floats, poses: Floats) -> tuple[float,
     Raises:
         DataError: If the headings are degrees.
     """
-    begun, driver = float(time[0]), Cruise()
+    begin_s, driver = float(time[0]), Cruise()
     first, pace = poses[0], _first_pace(time, poses[:, 0])
     fault_at_zero = _fault_at_start(world, first, pace, 0.0)
-    if not 0.0 <= begun <= _LATEST_START_S:
-        return begun, fault_at_zero
-    for _ in range(round(begun / world.dt)):
+    if not 0.0 <= begin_s <= _LATEST_START_S:
+        return begin_s, fault_at_zero
+    for _ in range(round(begin_s / world.dt)):
         world.step(driver.act(world.observe()))
-    fault_later = _fault_at_start(world, first, pace, begun)
+    fault_later = _fault_at_start(world, first, pace, begin_s)
     # The bodies stand where the scene starts, not where it would be by then: only the clock is late.
-    if fault_later and begun > 0.0 and not fault_at_zero:
-        return begun, ""
+    if fault_later and begin_s > 0.0 and not fault_at_zero:
+        return begin_s, ""
     return 0.0, fault_later
 
 
@@ -105,47 +105,48 @@ def _fault_at_start(world: KinematicWorld, poses: Floats, pace: _Pace, since_s: 
 
 def _misplaced(world: KinematicWorld, poses: Floats, since_s: float) -> str:
     """Return the first body that is not in its place, or an empty text."""
-    own = world.poses()
-    allowed = _AT_START_M + _LAG_S * np.abs(world.speeds())
-    allowed[0] = _AT_START_M + 0.5 * _EGO_ACCELERATION_MPS2 * since_s**2
-    apart = np.hypot(*(poses[:, :2] - own[:, :2]).T)
-    above = poses[:, 2] - own[:, 2]
-    far = np.flatnonzero((apart > allowed) | (above > _HIGH_AT_START_M))
-    if not len(far):
+    expected = world.poses()
+    allowed_m = _AT_START_M + _LAG_S * np.abs(world.speeds())
+    allowed_m[0] = _AT_START_M + 0.5 * _EGO_ACCELERATION_MPS2 * since_s**2
+    apart_m = np.hypot(*(poses[:, :2] - expected[:, :2]).T)
+    above_m = poses[:, 2] - expected[:, 2]
+    misplaced = np.flatnonzero((apart_m > allowed_m) | (above_m > _HIGH_AT_START_M))
+    if not len(misplaced):
         return ""
-    row = far[0]
-    distance_m = max(float(apart[row]), float(above[row]))
+    row = misplaced[0]
+    distance_m = max(float(apart_m[row]), float(above_m[row]))
     return f"{world.ids[row]} starts {distance_m:.1f} m from its place in the scene"
 
 
 def _askew(world: KinematicWorld, poses: Floats) -> str:
     """Return the first body that faces another way than in the scene, or an empty text."""
-    heading = world.poses()[:, 3]
-    off = turn(poses[:, 3] - heading)
-    askew = np.flatnonzero(off > ASKEW)
+    headings = world.poses()[:, 3]
+    angles = turn(poses[:, 3] - headings)
+    askew = np.flatnonzero(angles > ASKEW)
     if not len(askew):
         return ""
     row = askew[0]
-    fits = turn(np.radians(poses[:, 3]) - heading).max() <= ASKEW
+    fits = turn(np.radians(poses[:, 3]) - headings).max() <= ASKEW
     if fits and beyond_a_turn(poses[:, 3]):
         raise unusable(world.ids[row], IN_DEGREES)
     hint = "; headings are in radians, and as degrees they would fit" if fits else ""
-    return f"{world.ids[row]} starts turned by {np.degrees(off[row]):.0f} degrees{hint}"
+    return f"{world.ids[row]} starts turned by {np.degrees(angles[row]):.0f} degrees{hint}"
 
 
-def _wrong_speed(usual: float, pace: _Pace, since_s: float) -> str:
-    """Return that the ego is not as fast as usual, m/s, or an empty text."""
+def _wrong_speed(expected: float, pace: _Pace, since_s: float) -> str:
+    """Return that the ego is not as fast as expected, m/s, or an empty text."""
     tolerance = (
         _SPEED_TOLERANCE_MPS
-        + _SPEED_TOLERANCE_SHARE * usual
+        + _SPEED_TOLERANCE_SHARE * expected
         + _SPEED_TOLERANCE_MPS2 * (since_s + pace.since_s)
     )
-    is_off = abs(pace.speed - usual) > tolerance
-    return f"ego starts at {pace.speed:.1f} m/s, not {usual:.1f} m/s" if is_off else ""
+    if abs(pace.speed - expected) <= tolerance:
+        return ""
+    return f"ego starts at {pace.speed:.1f} m/s, not {expected:.1f} m/s"
 
 
 def strayed(world: KinematicWorld, states: Sequence[State], decision_s: float) -> str:
-    """Return which actor leaves the course that the scene gives it, or an empty text.
+    """Return which actor leaves its course in the scene, and where, or an empty text.
 
     The scene is run beside the played one: its ego is moved to the played poses in every step, and its actors react
     to it. Ordinary actors that start behind the ego may follow it as they like.
@@ -155,10 +156,12 @@ def strayed(world: KinematicWorld, states: Sequence[State], decision_s: float) -
         states: The states of the run up to the end of what is judged.
         decision_s: Time of the decision, s.
     """
-    unusual = {row for row, name in enumerate(world.ids) if name in world.scene.hazard.actors}
-    begin_s_m = [world.motion(name).s for name in world.ids]
+    hazards = {row for row, name in enumerate(world.ids) if name in world.scene.hazard.actors}
+    start_s_m = [world.motion(name).s for name in world.ids]
     rows = [
-        row for row, s_m in enumerate(begin_s_m) if row and (s_m > begin_s_m[0] or row in unusual)
+        row
+        for row, s_m in enumerate(start_s_m)
+        if row > 0 and (s_m > start_s_m[0] or row in hazards)
     ]
     if not rows:
         return ""
@@ -166,11 +169,11 @@ def strayed(world: KinematicWorld, states: Sequence[State], decision_s: float) -
     poses = np.array([state.poses for state in states])
     courses = _run_beside(world, states, time, poses)
     for row in rows:
-        near_m = np.full(len(time), _OTHERS_M)
-        if row in unusual:
-            near_m = np.where(time > decision_s, _HAZARD_AFTER_M, _HAZARD_BEFORE_M)
-        lag_m = _LAG_S * np.abs([state.speeds[row] for state in states])
-        departure = _first_departure(poses[:, row], courses[:, row], near_m + lag_m)
+        allowed_m = np.full(len(time), _OTHERS_M)
+        if row in hazards:
+            allowed_m = np.where(time > decision_s, _HAZARD_AFTER_M, _HAZARD_BEFORE_M)
+        allowed_m += _LAG_S * np.abs([state.speeds[row] for state in states])
+        departure = _first_departure(poses[:, row], courses[:, row], allowed_m)
         if departure is not None:
             step, distance_m = departure
             return f"{world.ids[row]} is {distance_m:.1f} m from its course at {time[step]:g} s"
@@ -190,18 +193,18 @@ def _run_beside(
     driver = Cruise()
     speeds = np.array([state.speeds[0] for state in states])
     ego = np.concatenate([poses[:, 0, :3], np.unwrap(poses[:, 0, 3])[:, None]], axis=1)
-    own, at = [world.poses()], [0.0]
-    while at[-1] < time[-1]:
-        is_played = world.time >= time[0] - ROUNDING_S
-        world.step(Control(0.0, 0.0) if is_played else driver.act(world.observe()))
+    world_poses, world_times = [world.poses()], [0.0]
+    while world_times[-1] < time[-1]:
+        has_begun = world.time >= time[0] - ROUNDING_S
+        world.step(Control(0.0, 0.0) if has_begun else driver.act(world.observe()))
         if world.time >= time[0] - ROUNDING_S:
-            now = np.array([np.interp(world.time, time, column) for column in ego.T])
-            world.set_pose(0, now, float(np.interp(world.time, time, speeds)))
-        own.append(world.poses())
-        at.append(world.time)
-    places = np.array(own)[:, :, :3]
+            pose = np.array([np.interp(world.time, time, column) for column in ego.T])
+            world.set_pose(0, pose, float(np.interp(world.time, time, speeds)))
+        world_poses.append(world.poses())
+        world_times.append(world.time)
+    places = np.array(world_poses)[:, :, :3]
     flat = places.reshape(len(places), -1)
-    columns = [np.interp(time, at, column) for column in flat.T]
+    columns = [np.interp(time, world_times, column) for column in flat.T]
     return np.stack(columns, axis=1).reshape(len(time), *places.shape[1:])
 
 
@@ -210,10 +213,10 @@ def _first_departure(places: Floats, course: Floats, allowed_m: Floats) -> tuple
 
     `allowed_m` is the distance along the ground that is allowed in each step.
     """
-    apart = np.hypot(*(places[:, :2] - course[:, :2]).T)
-    above = places[:, 2] - course[:, 2]
-    far = np.flatnonzero((apart > allowed_m) | (above > _HIGH_M))
-    if not len(far):
+    apart_m = np.hypot(*(places[:, :2] - course[:, :2]).T)
+    above_m = places[:, 2] - course[:, 2]
+    departed = np.flatnonzero((apart_m > allowed_m) | (above_m > _HIGH_M))
+    if not len(departed):
         return None
-    step = int(far[0])
-    return step, float(max(apart[step], above[step]))
+    step = int(departed[0])
+    return step, float(max(apart_m[step], above_m[step]))

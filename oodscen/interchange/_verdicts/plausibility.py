@@ -11,33 +11,36 @@ from oodscen.driving._motion.triggers import ROUNDING_S
 from oodscen.errors import DataError, Issue
 from oodscen.numerics._exact import Floats
 
-_FARTHEST = 1e7
+_MAX_COORDINATE = 1e7
 """Largest place, m, and heading, rad, to either side of zero."""
-_LATEST_S = 1e10
+_MAX_TIME_S = 1e10
 """Largest time to either side of zero, s: clocks may count from 1970."""
-_COARSEST_S, _ROUNDED = 0.2, 1.001
+_MAX_STEP_S, _ROUNDING_SHARE = 0.2, 1.001
 """Largest usual step, s: between coarser ones a contact can go unseen. It may be longer by the rounding of times."""
-_HOLE, _SHORTEST_HOLE_S = 2.5, 0.1
+_HOLE_STEPS, _SHORTEST_HOLE_S = 2.5, 0.1
 """Length above which a step is a hole, in usual steps and in s."""
-_FASTEST = 90.0
-"""Largest speed of a body, m/s."""
-_JUMP_M, _JUMP = 0.5, 2.0
+_MAX_SPEED_MPS = 90.0
+_JUMP_M, _JUMP_SHARE = 0.5, 2.0
 """Distance by which a step is a jump, m, beyond this multiple of the way at the speed before or after it."""
 _WINDOW_S, _SETTLED_S = 0.2, 0.5
 """Time over which the ego's acceleration is measured, and the time at which measuring begins, s."""
-_HARDEST = 30.0
+_MAX_ACCELERATION_MPS2 = 30.0
 """Largest acceleration of the ego, m/s^2; a road allows a third of it."""
-_MOVES = 2.0
+_MOVING_MPS = 2.0
 """Speed above which a motion has a direction, m/s."""
-_FASTEST_TURN = np.radians(ABILITIES["car"].spin)
+_MAX_TURN_RATE = np.radians(ABILITIES["car"].spin)
 """Largest rate of turn of a vehicle that moves, rad/s; headings may be off by `ASKEW` besides."""
 _SIDEWAYS_S = 0.5
 """Time from which the ego's heading off its motion is noted, s."""
 ASKEW = 0.35
 """Largest angle between a heading and the expected one, rad."""
 IN_DEGREES = "headings fit the motion as degrees; they are read as radians"
-_FEW = 5
+_MIN_MOVING_STEPS = 5
 """Number of steps in motion below which headings are not checked."""
+_MAX_ASKEW_SHARE = 0.5
+"""Share of steps with headings off the motion up to which a run is judged."""
+_DEGREES_SHARE = 0.05
+"""Share of such steps above which headings beyond half a turn are taken for degrees."""
 
 
 def unusable(where: str, message: str) -> DataError:
@@ -51,11 +54,14 @@ def check_bounds(names: Sequence[str], time: Floats, poses: Floats) -> None:
     Raises:
         DataError: With the body and the time of the first.
     """
-    for at in time[~(np.abs(time) <= _LATEST_S)][:1]:
-        raise unusable("time", f"{at:g} s is not within +-{_LATEST_S:g}")
-    for step, row, column in np.argwhere(np.abs(poses) > _FARTHEST)[:1]:
+    times_beyond = time[~(np.abs(time) <= _MAX_TIME_S)]
+    if len(times_beyond):
+        raise unusable("time", f"{times_beyond[0]:g} s is not within +-{_MAX_TIME_S:g}")
+    poses_beyond = np.argwhere(np.abs(poses) > _MAX_COORDINATE)
+    if len(poses_beyond):
+        step, row, column = poses_beyond[0]
         value = f"{'xyzh'[column]} is {poses[step, row, column]:g}"
-        message = f"{value} at {time[step]:g} s, which is not within +-{_FARTHEST:g}"
+        message = f"{value} at {time[step]:g} s, which is not within +-{_MAX_COORDINATE:g}"
         raise unusable(names[row], message)
 
 
@@ -67,12 +73,12 @@ def check_steps(time: Floats) -> None:
     """
     steps = np.diff(time)
     usual = float(np.median(steps))
-    if usual > _ROUNDED * _COARSEST_S:
+    if usual > _ROUNDING_SHARE * _MAX_STEP_S:
         raise unusable(
             "time",
-            f"steps are {usual:g} s, and at most {_COARSEST_S:g} s can be judged; is the time in seconds?",
+            f"steps are {usual:g} s, and at most {_MAX_STEP_S:g} s can be judged; is the time in seconds?",
         )
-    holes = np.flatnonzero(steps > max(_HOLE * usual, _SHORTEST_HOLE_S) + ROUNDING_S)
+    holes = np.flatnonzero(steps > max(_HOLE_STEPS * usual, _SHORTEST_HOLE_S) + ROUNDING_S)
     if len(holes):
         first = holes[0]
         raise unusable(
@@ -95,26 +101,29 @@ def check_motion(names: Sequence[str], time: Floats, poses: Floats, steered: Seq
     """
     _check_jumps(names, time, poses)
     ego = _mean_motion(time, poses[:, 0])
-    _check_ego(time, ego)
+    if len(time) > 2 * ego.width:
+        _check_ego_acceleration(time, ego)
+        _check_ego_headings(ego)
     _check_turns([names[row] for row in steered], time, poses[:, steered])
     return _heading_note(time, ego)
 
 
 def _check_jumps(names: Sequence[str], time: Floats, poses: Floats) -> None:
-    steps = np.diff(time)[:, None]
-    ways = _ways(poses)
-    speeds = ways / steps
+    durations_s = np.diff(time)[:, None]
+    lengths_m = _step_lengths_m(poses)
+    speeds = lengths_m / durations_s
     if len(speeds) > 1:
-        beside = np.maximum(
-            np.concatenate([speeds[1:2], speeds[:-1]]), np.concatenate([speeds[1:], speeds[-2:-1]])
-        )
-        jumps = np.argwhere(ways > _JUMP_M + _JUMP * beside * steps)
+        before = np.concatenate([speeds[1:2], speeds[:-1]])
+        after = np.concatenate([speeds[1:], speeds[-2:-1]])
+        allowed_m = _JUMP_M + _JUMP_SHARE * np.maximum(before, after) * durations_s
+        jumps = np.argwhere(lengths_m > allowed_m)
         if len(jumps):
             step, row = jumps[0]
             raise unusable(
-                names[row], f"jumps {ways[step, row]:.1f} m from {time[step]:g} s to the next step"
+                names[row],
+                f"jumps {lengths_m[step, row]:.1f} m from {time[step]:g} s to the next step",
             )
-    fast = np.argwhere(speeds > _FASTEST)
+    fast = np.argwhere(speeds > _MAX_SPEED_MPS)
     if len(fast):
         step, row = fast[0]
         raise unusable(
@@ -125,10 +134,13 @@ def _check_jumps(names: Sequence[str], time: Floats, poses: Floats) -> None:
 
 
 def _check_turns(names: Sequence[str], time: Floats, poses: Floats) -> None:
-    steps = np.diff(time)[:, None]
-    turns, speeds = turn(np.diff(poses[:, :, 3], axis=0)), _ways(poses) / steps
-    sudden = np.argwhere((turns > ASKEW + _FASTEST_TURN * steps) & (speeds > _MOVES))
-    for step, row in sudden[:1]:
+    durations_s = np.diff(time)[:, None]
+    turns = turn(np.diff(poses[:, :, 3], axis=0))
+    speeds = _step_lengths_m(poses) / durations_s
+    is_sudden = (turns > ASKEW + _MAX_TURN_RATE * durations_s) & (speeds > _MOVING_MPS)
+    sudden = np.argwhere(is_sudden)
+    if len(sudden):
+        step, row = sudden[0]
         raise unusable(
             names[row],
             f"turns by {np.degrees(turns[step, row]):.0f} degrees from {time[step]:g} s to the next step, at "
@@ -136,43 +148,50 @@ def _check_turns(names: Sequence[str], time: Floats, poses: Floats) -> None:
         )
 
 
-def _check_ego(time: Floats, ego: "_MeanMotion") -> None:
-    """Check the acceleration and the headings of the ego."""
-    width = ego.width
-    if len(time) <= 2 * width:
-        return
-    velocities = ego.velocities
-    changes = np.hypot(*(velocities[width:] - velocities[:-width]).T) / ego.spans[width:]
-    hard = np.flatnonzero((changes > _HARDEST) & (time[: len(changes)] > time[0] + _SETTLED_S))
+def _check_ego_acceleration(time: Floats, ego: "_MeanMotion") -> None:
+    width, velocities = ego.width, ego.velocities
+    changes = np.hypot(*(velocities[width:] - velocities[:-width]).T) / ego.spans_s[width:]
+    is_settled = time[: len(changes)] > time[0] + _SETTLED_S
+    hard = np.flatnonzero((changes > _MAX_ACCELERATION_MPS2) & is_settled)
     if len(hard):
-        at = time[hard[0] + width]
-        raise unusable(
-            "ego", f"accelerates by {changes[hard[0]]:.0f} m/s^2 at {at:g} s, which no vehicle does"
-        )
-    if ego.moves.sum() < _FEW:
-        return
-    way, heading = ego.ways[ego.moves], ego.headings[ego.moves]
-    off, in_degrees = _askew(way, heading), _askew(way, np.radians(heading))
-    wrong = off > ASKEW
-    fits = np.median(in_degrees) < 0.5 * ASKEW
-    if wrong.mean() > 0.05 and beyond_a_turn(heading[wrong]) and fits:
-        raise unusable("ego", IN_DEGREES)
-    if wrong.mean() > 0.5:
+        first = hard[0]
         raise unusable(
             "ego",
-            f"heads {np.degrees(np.median(off)):.0f} degrees off its motion; headings are in radians, from the x "
-            f"axis towards the y axis{'; as degrees they would fit' if fits else ''}",
+            f"accelerates by {changes[first]:.0f} m/s^2 at {time[first + width]:g} s, which no vehicle does",
+        )
+
+
+def _check_ego_headings(ego: "_MeanMotion") -> None:
+    if ego.is_moving.sum() < _MIN_MOVING_STEPS:
+        return
+    directions, headings = ego.directions[ego.is_moving], ego.headings[ego.is_moving]
+    angles = _angles_off(directions, headings)
+    fits_as_degrees = np.median(_angles_off(directions, np.radians(headings))) < 0.5 * ASKEW
+    is_askew = angles > ASKEW
+    is_beyond = beyond_a_turn(headings[is_askew])
+    if is_askew.mean() > _DEGREES_SHARE and is_beyond and fits_as_degrees:
+        raise unusable("ego", IN_DEGREES)
+    if is_askew.mean() > _MAX_ASKEW_SHARE:
+        hint = "; as degrees they would fit" if fits_as_degrees else ""
+        raise unusable(
+            "ego",
+            f"heads {np.degrees(np.median(angles)):.0f} degrees off its motion; headings are in radians, from the x "
+            f"axis towards the y axis{hint}",
         )
 
 
 def _heading_note(time: Floats, ego: "_MeanMotion") -> str:
     """Return a note on the first time for which the ego heads off its motion, or an empty text."""
-    off = _askew(ego.ways, ego.headings)
-    steps = np.flatnonzero(ego.moves & (off > ASKEW))
+    angles = _angles_off(ego.directions, ego.headings)
+    steps = np.flatnonzero(ego.is_moving & (angles > ASKEW))
     for run in np.split(steps, np.flatnonzero(np.diff(steps) > 1) + 1):
-        if len(run) and (lasts := time[run[-1] + ego.width] - time[run[0]]) > _SIDEWAYS_S:
-            angle = np.degrees(np.median(off[run]))
-            return f"ego heads {angle:.0f} degrees off its motion for {lasts:.2g} s from {time[run[0]]:g} s"
+        if not len(run):
+            continue
+        begin_s = time[run[0]]
+        duration_s = time[run[-1] + ego.width] - begin_s
+        if duration_s > _SIDEWAYS_S:
+            angle_deg = np.degrees(np.median(angles[run]))
+            return f"ego heads {angle_deg:.0f} degrees off its motion for {duration_s:.2g} s from {begin_s:g} s"
     return ""
 
 
@@ -181,36 +200,37 @@ class _MeanMotion(NamedTuple):
 
     width: int
     """Steps in a span."""
-    spans: Floats
-    """[n] s"""
+    spans_s: Floats
+    """[n] durations of the spans, s."""
     velocities: Floats
     """[n, 2] m/s"""
     headings: Floats
     """[n] rad, in the middle of the span."""
 
     @property
-    def moves(self) -> NDArray[np.bool_]:
+    def is_moving(self) -> NDArray[np.bool_]:
         """Return where the motion has a direction: [n]."""
-        moves: NDArray[np.bool_] = np.hypot(*self.velocities.T) > _MOVES
-        return moves
+        is_moving: NDArray[np.bool_] = np.hypot(*self.velocities.T) > _MOVING_MPS
+        return is_moving
 
     @property
-    def ways(self) -> Floats:
+    def directions(self) -> Floats:
         """Return the directions of the motion: [n] rad."""
         return np.arctan2(self.velocities[:, 1], self.velocities[:, 0])
 
 
 def _mean_motion(time: Floats, poses: Floats) -> _MeanMotion:
-    width = min(len(time) - 1, max(1, round(_WINDOW_S / float(np.median(np.diff(time))))))
-    spans = time[width:] - time[:-width]
-    velocities = (poses[width:, :2] - poses[:-width, :2]) / spans[:, None]
+    usual_step_s = float(np.median(np.diff(time)))
+    width = min(len(time) - 1, max(1, round(_WINDOW_S / usual_step_s)))
+    spans_s = time[width:] - time[:-width]
+    velocities = (poses[width:, :2] - poses[:-width, :2]) / spans_s[:, None]
     headings = poses[width // 2 : width // 2 + len(velocities), 3]
-    return _MeanMotion(width, spans, velocities, headings)
+    return _MeanMotion(width, spans_s, velocities, headings)
 
 
-def _askew(way: Floats, heading: Floats) -> Floats:
+def _angles_off(directions: Floats, headings: Floats) -> Floats:
     """Return the angles between motion and headings, forwards or backwards, rad."""
-    return np.abs((way - heading + 0.5 * np.pi) % np.pi - 0.5 * np.pi)
+    return np.abs((directions - headings + 0.5 * np.pi) % np.pi - 0.5 * np.pi)
 
 
 def beyond_a_turn(headings: Floats) -> bool:
@@ -223,7 +243,7 @@ def turn(angle: Floats) -> Floats:
     return np.abs((angle + np.pi) % (2.0 * np.pi) - np.pi)
 
 
-def _ways(poses: Floats) -> Floats:
+def _step_lengths_m(poses: Floats) -> Floats:
     """Return how far each body moves in each step, m."""
-    ways: Floats = np.linalg.norm(np.diff(poses[:, :, :3], axis=0), axis=2)
-    return ways
+    lengths_m: Floats = np.linalg.norm(np.diff(poses[:, :, :3], axis=0), axis=2)
+    return lengths_m

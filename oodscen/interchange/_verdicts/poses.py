@@ -1,30 +1,20 @@
 """Reads the poses that a player wrote: CSV of our own, esmini's CSV log, and OSI traces."""
 
-import csv
-import io
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from oodscen._csv import csv_fault
 from oodscen._display import Brief
 from oodscen._files import read_regular
-from oodscen.errors import DataError, Issue
-from oodscen.interchange._traces.osi_reading import Pose, Row, read_osi_trace
+from oodscen.interchange._traces.osi_reading import BodyPose, Pose, read_osi_trace
+from oodscen.interchange._verdicts.pose_tables import NOUN, csv_poses, esmini_poses, fault
 from oodscen.numerics._exact import Floats
 
-COLUMNS = ("time", "name", "x", "y", "h")
-"""Columns that a CSV file of poses must have; `z` is optional."""
 MAX_BYTES = 512 * 1024 * 1024
-_LONGEST_NAME = 1_000
-"""Length of the longest name of a body, in characters."""
-_NOUN = "file of poses"
-_REST = "\n"
-"""Key of the cells beyond the last column, which no column can have."""
+_MAX_POSES = 20_000_000
+"""Maximum number of bodies times moments: the poses of bodies that are missing at a moment take memory, too."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -40,8 +30,8 @@ class PlayedPoses(Brief):
     """Most bodies without a name at one time."""
     ego_sizes: tuple[tuple[float, float], ...] = ()
     """Lengths and widths of the ego that the file tells, m; the run is judged with the scene's."""
-    host: str = ""
-    """The body that the file takes for the ego, and when, if it is another one than `ego`; else empty."""
+    other_host: str | None = None
+    """The body that the file takes for the ego, and since when, if it is another one than `ego`."""
 
 
 def read_poses(path: str | Path) -> PlayedPoses:
@@ -52,142 +42,71 @@ def read_poses(path: str | Path) -> PlayedPoses:
     (`.osi`, `.mcap`) are read as they are.
 
     Raises:
-        DataError: If the file is none of these, with the line of every fault.
+        DataError: If the file is none of these, with the line of the first fault.
     """
-    data = read_regular(path, _NOUN, limit=MAX_BYTES)
+    data = read_regular(path, NOUN, limit=MAX_BYTES)
     source = str(path)
-    if source.endswith((".osi", ".mcap")):
+    if source.lower().endswith((".osi", ".mcap")):
         return _collected(read_osi_trace(data, source), source)
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise _fault("", f"byte {error.start} is not UTF-8", source) from None
+        raise fault("", f"byte {error.start} is not UTF-8", source) from None
     lines = text.splitlines()
     if lines and lines[0].startswith("esmini "):
-        return _collected(_esmini_rows(lines, source), source)
-    return _collected(_plain_rows(text, source), source)
+        return _collected(esmini_poses(lines, source), source)
+    return _collected(csv_poses(text, source), source)
 
 
-def _collected(rows: Iterator[Row], source: str) -> PlayedPoses:
-    names: dict[str, int] = {}
-    found: list[Row] = []
+def _collected(bodies: Iterable[BodyPose], source: str) -> PlayedPoses:
+    """Return the poses of all bodies at all times.
+
+    Raises:
+        DataError: If there are fewer than two times, too many poses, or two poses of a body at one time.
+    """
+    named: list[BodyPose] = []
     unnamed: dict[float, set[Pose]] = {}
-    for row in rows:
-        if row.name:
-            names.setdefault(row.name, len(names))
-            found.append(row)
+    for body in bodies:
+        if body.name:
+            named.append(body)
         else:
-            unnamed.setdefault(row.time, set()).add(row.pose)
-    times = sorted({row.time for row in found})
+            unnamed.setdefault(body.time, set()).add(body.pose)
+    names = tuple(dict.fromkeys(body.name for body in named))
+    times = sorted({body.time for body in named})
     if len(times) < 2:
-        raise _fault("", "holds fewer than two moments", source)
-    order = {time: index for index, time in enumerate(times)}
+        raise fault("", "holds fewer than two moments", source)
+    if len(times) * len(names) > _MAX_POSES:
+        message = f"{len(names):,} bodies at {len(times):,} moments are too many to be judged"
+        raise fault("", message, source)
+    return PlayedPoses(
+        names,
+        np.array(times),
+        _pose_array(named, names, times, source),
+        max(map(len, unnamed.values()), default=0),
+        tuple(dict.fromkeys(body.size for body in named if body.name == "ego" and body.size)),
+        _other_host(named),
+    )
+
+
+def _pose_array(
+    bodies: Sequence[BodyPose], names: Sequence[str], times: Sequence[float], source: str
+) -> Floats:
+    rows = {name: row for row, name in enumerate(names)}
+    steps = {time: step for step, time in enumerate(times)}
     poses = np.full((len(times), len(names), 4), np.nan)
-    for time, name, pose, *_ in found:
-        before = poses[order[time], names[name]]
-        if not np.isnan(before[0]) and tuple(before) != pose:
-            raise _fault(name, f"has two poses at {time:g} s", source)
-        poses[order[time], names[name]] = pose
-    most = max(map(len, unnamed.values()), default=0)
-    sizes = dict.fromkeys(row.size for row in found if row.name == "ego" and row.size)
-    return PlayedPoses(tuple(names), np.array(times), poses, most, tuple(sizes), _other_host(found))
+    for body in bodies:
+        step, row = steps[body.time], rows[body.name]
+        earlier = poses[step, row]
+        if not np.isnan(earlier[0]) and tuple(earlier) != body.pose:
+            raise fault(body.name, f"has two poses at {body.time:g} s", source)
+        poses[step, row] = body.pose
+    return poses
 
 
-def _other_host(rows: Sequence[Row]) -> str:
-    """Return the body that a file takes for the ego where it is not `ego`, and the first such time; else empty."""
-    first = next((row.time for row in rows if row.name == "ego" and row.is_host is False), None)
-    if first is None:
-        return ""
-    named = [row.name for row in rows if row.time == first and row.is_host]
-    return f"{named[0] if named else 'no named body'} at {first:g} s"
-
-
-def _plain_rows(text: str, source: str) -> Iterator[Row]:
-    table = csv.DictReader(io.StringIO(text), restkey=_REST, skipinitialspace=True)
-    try:
-        given = table.fieldnames or ()
-    except csv.Error as error:
-        raise _fault("line 1", csv_fault(error), source) from None
-    if missing := [name for name in COLUMNS if name not in given]:
-        needed = ", ".join(COLUMNS)
-        raise _fault("line 1", f"no column {', '.join(missing)}; needed: {needed}", source)
-    if twice := [name for name in given if name in (*COLUMNS, "z") and given.count(name) > 1]:
-        raise _fault("line 1", f"two columns {twice[0]}", source)
-    for row in _table_rows(table, source):
-        where = f"line {table.line_num}"
-        if any(cell.strip() for cell in row.get(_REST) or ()):
-            raise _fault(where, f"more cells than the {len(given)} columns", source)
-        cells = {**row, "z": row.get("z") or "0"}
-        time, x, y, z, h = (
-            _number(cells[name], where, name, source) for name in ("time", "x", "y", "z", "h")
-        )
-        name = (row["name"] or "").strip()
-        if len(name) > _LONGEST_NAME:
-            raise _fault(where, f"a name has {len(name):,} characters", source)
-        yield Row(time, name, (x, y, z, h))
-
-
-def _table_rows(table: "csv.DictReader[str]", source: str) -> Iterator[dict[str, Any]]:
-    """Yield the rows of a table, and raise faults of its format as `DataError`."""
-    try:
-        yield from table
-    except csv.Error as error:
-        raise _fault(f"line {table.line_num + 1}", csv_fault(error), source) from None
-
-
-def _esmini_rows(lines: Sequence[str], source: str) -> Iterator[Row]:
-    """Yield rows of esmini's log, which has all bodies of a moment on one line."""
-    head = next((i for i, line in enumerate(lines) if line.startswith("Index [-]")), None)
-    if head is None:
-        raise _fault("", "esmini's log has no line of columns", source)
-    columns = [name.strip() for name in lines[head].split(",")]
-    places = {name: index for index, name in enumerate(columns)}
-    count = sum(name.endswith("Entity_Name [-]") for name in columns)
-    for number, line in enumerate(lines[head + 1 :], start=head + 2):
-        if not line.strip():
-            continue
-        cells = [cell.strip() for cell in line.split(",")]
-        where = f"line {number}"
-
-        def cell(name: str, cells: list[str] = cells, where: str = where) -> str:
-            index = places.get(name)
-            if index is None:
-                raise _fault(where, f"no column {name!r}", source)
-            if index >= len(cells):
-                raise _fault(where, f"is short: no cell in the column {name!r}", source)
-            return cells[index]
-
-        time = _number(cell("TimeStamp [s]"), where, "TimeStamp", source)
-        for body in range(1, count + 1):
-            x, y, z, heading, pitch, ahead = (
-                _number(cell(f"#{body} {name}"), where, name, source)
-                for name in (
-                    "World_Position_X [m]",
-                    "World_Position_Y [m]",
-                    "World_Position_Z [m]",
-                    "World_Heading_Angle [rad]",
-                    "World_Pitch_Angle [rad]",
-                    "bb_x [m]",
-                )
-            )
-            level = ahead * math.cos(pitch)
-            x, y = x + level * math.cos(heading), y + level * math.sin(heading)
-            yield Row(
-                time,
-                cell(f"#{body} Entity_Name [-]"),
-                (x, y, z - ahead * math.sin(pitch), heading),
-            )
-
-
-def _number(text: str | None, where: str, name: str, source: str) -> float:
-    try:
-        value = math.nan if "_" in (text or "") else float(text or "")
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise _fault(f"{where}: {name}", f"{(text or '')[:40]!r} is not a finite number", source)
-    return value
-
-
-def _fault(where: str, message: str, source: str) -> DataError:
-    return DataError(_NOUN, [Issue(where, message)], source=source)
+def _other_host(bodies: Sequence[BodyPose]) -> str | None:
+    """Return the body that a file takes for the ego where it is not `ego`, and the first such time."""
+    for body in bodies:
+        if body.name == "ego" and body.is_host is False:
+            hosts = [other.name for other in bodies if other.time == body.time and other.is_host]
+            return f"{hosts[0] if hosts else 'no named body'} at {body.time:g} s"
+    return None

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -84,8 +85,8 @@ def verdict(
         seed: Seed of the export.
 
     Raises:
-        DataError: If the file is malformed, with the line of every fault, a body is missing, the poses have a hole,
-            or their motion shows that a unit is wrong.
+        DataError: If the file is malformed, with the line of the first fault, a body is missing, the poses have a
+            hole, or their motion shows that a unit is wrong.
     """
     if not isinstance(played, PlayedPoses):
         played = read_poses(played)
@@ -97,38 +98,35 @@ def verdict(
         return KinematicWorld(corridor, scene, catalogue, seed)
 
     poses, notes = _poses_of(scene, played, world().ids)
-    begun, doubt = start_of(world(), played.time, poses)
+    begun_s, doubt = start_of(world(), played.time, poses)
     notes += _ego_notes(played, catalogue.ego)
-    if begun:
-        notes.append(f"times start at {begun:g} s and are counted from there")
-    states = _states(world(), played.time - begun, poses)
-    first, fired = _decision(scene, states, corridor)
-    decision = states[first]
-    end = decision.time + scene.horizon_s
-    after = _until_harm([state for state in states[first + 1 :] if state.time <= end + _ROUNDING_S])
-    whole = states[: first + 1 + len(after)]
-    last, dt = whole[-1], float(np.median(np.diff(played.time)))
-    time, course = played.time[: len(whole)], poses[: len(whole)]
-    if askew := check_motion(last.ids, time, course, _steered(scene, catalogue)):
-        notes.append(askew)
-    harmed = bool(last.contacts) or last.off_road
-    ends = harmed or last.time >= end - max(_EARLY_S, 1.5 * dt)
-    doubt = doubt or strayed(world(), whole, decision.time)
-    if not (doubt or harmed or fired) and decision.time < MAX_APPROACH_S:
-        doubt = f"the run ends at {decision.time:g} s, before its decision"
-    if not (doubt or ends):
-        doubt = f"the run ends at {last.time:g} s, before the horizon at {end:g} s"
+    if begun_s:
+        notes.append(f"times start at {begun_s:g} s and are counted from there")
+    run = _judged_run(scene, _states(world(), played.time - begun_s, poses), corridor)
+    steps = len(run.states)
+    steered = _steered_rows(scene, catalogue)
+    heading_note = check_motion(run.last.ids, played.time[:steps], poses[:steps], steered)
+    if heading_note:
+        notes.append(heading_note)
+    step_s = float(np.median(np.diff(played.time)))
+    is_complete = run.is_harmed or run.last.time >= run.horizon_s - max(_EARLY_S, 1.5 * step_s)
+    doubt = (
+        doubt
+        or strayed(world(), run.states, run.decision.time)
+        or _doubt_about_end(run, is_complete=is_complete)
+    )
     outcome = None
     if doubt:
         drive = inconclusive_drive(scene.id, driver, doubt)
     else:
-        outcome = _outcome(scene, catalogue, decision, after)
-        drive = drive_result(scene, whole, catalogue, driver, round(end / dt), dt)
+        outcome = _outcome(scene, catalogue, run)
+        horizon_steps = round(run.horizon_s / step_s)
+        drive = drive_result(scene, run.states, catalogue, driver, horizon_steps, step_s)
     return PlayedVerdict(
         scene_id=scene.id,
-        decision_s=round(decision.time, 6),
-        decision_fired=fired,
-        is_complete=ends,
+        decision_s=round(run.decision.time, 6),
+        decision_fired=run.is_fired,
+        is_complete=is_complete,
         inconclusive=doubt,
         notes=tuple(notes),
         outcome=outcome,
@@ -136,20 +134,63 @@ def verdict(
     )
 
 
-def _steered(scene: Scene, catalogue: Catalogue) -> list[int]:
+class _JudgedRun(NamedTuple):
+    """The part of a run that is judged: up to the horizon, the first harm, or its end."""
+
+    states: list[State]
+    decision_step: int
+    is_fired: bool
+    """False if the decision's trigger never fired."""
+    horizon_s: float
+    """Time of the horizon, s."""
+
+    @property
+    def decision(self) -> State:
+        """The state at the decision, or the last one before it."""
+        return self.states[self.decision_step]
+
+    @property
+    def last(self) -> State:
+        """The last state."""
+        return self.states[-1]
+
+    @property
+    def is_harmed(self) -> bool:
+        """Return whether the run ends with a contact or off the road."""
+        return _is_harm(self.last)
+
+
+def _judged_run(scene: Scene, states: Sequence[State], corridor: Corridor) -> _JudgedRun:
+    step, is_fired = _decision(scene, states, corridor)
+    horizon_s = states[step].time + scene.horizon_s
+    within = [state for state in states[step + 1 :] if state.time <= horizon_s + _ROUNDING_S]
+    judged = [*states[: step + 1], *_until_harm(within)]
+    return _JudgedRun(judged, step, is_fired, horizon_s)
+
+
+def _doubt_about_end(run: _JudgedRun, *, is_complete: bool) -> str:
+    """Return that a run ends too early to be judged, or an empty text."""
+    is_undecided = not run.is_harmed and not run.is_fired
+    if is_undecided and run.decision.time < MAX_APPROACH_S:
+        return f"the run ends at {run.decision.time:g} s, before its decision"
+    if not is_complete:
+        return f"the run ends at {run.last.time:g} s, before the horizon at {run.horizon_s:g} s"
+    return ""
+
+
+def _steered_rows(scene: Scene, catalogue: Catalogue) -> list[int]:
     """Return the rows of the bodies that turn by steering."""
     bodies = enumerate(catalogue.bodies(scene))
     return [row for row, (_, asset, _) in bodies if asset.category in ("vehicle", "cyclist")]
 
 
-def _outcome(
-    scene: Scene, catalogue: Catalogue, decision: State, after: Sequence[State]
-) -> ActionOutcome:
+def _outcome(scene: Scene, catalogue: Catalogue, run: _JudgedRun) -> ActionOutcome:
     """Judge the states from the decision on."""
     course, line = Course.of(scene, catalogue), scene.stop_line
-    watched = [decision, *after]
+    watched = run.states[run.decision_step :]
     ran_red = line is not None and runs_red(watched, line, course)
-    return judge_outcome(after or watched, Trace.from_states(watched, course), ran_red=ran_red)
+    trace = Trace.from_states(watched, course)
+    return judge_outcome(watched[1:] or watched, trace, ran_red=ran_red)
 
 
 def _poses_of(scene: Scene, played: PlayedPoses, ids: tuple[str, ...]) -> tuple[Floats, list[str]]:
@@ -168,21 +209,23 @@ def _poses_of(scene: Scene, played: PlayedPoses, ids: tuple[str, ...]) -> tuple[
     others = [name for name in played.names if name not in ids]
     if played.unnamed:
         others.append(f"{played.unnamed} without a name")
-    return poses, [f"not in the scene, and not looked at: {', '.join(others)}"] if others else []
+    if not others:
+        return poses, []
+    return poses, [f"not in the scene, and not looked at: {', '.join(others)}"]
 
 
-def _ego_notes(played: PlayedPoses, own: Asset) -> list[str]:
+def _ego_notes(played: PlayedPoses, ego: Asset) -> list[str]:
     """Return notes on what a file tells about the ego otherwise than the scene."""
     notes = []
     for length, width in played.ego_sizes:
-        off = max(abs(length - own.length), abs(width - own.width))
-        if not off <= _SIZE_M:
+        difference_m = max(abs(length - ego.length), abs(width - ego.width))
+        if not difference_m <= _SIZE_M:  # A size may be NaN.
             notes.append(
-                f"ego is {length:g} x {width:g} m in the file, and judged as {own.length:g} x {own.width:g} m"
+                f"ego is {length:g} x {width:g} m in the file, and judged as {ego.length:g} x {ego.width:g} m"
             )
             break
-    if played.host:
-        notes.append(f"host_vehicle_id is that of {played.host}, not of ego, which is judged")
+    if played.other_host is not None:
+        notes.append(f"host_vehicle_id is that of {played.other_host}, not of ego, which is judged")
     return notes
 
 
@@ -206,31 +249,39 @@ def _speeds(time: Floats, poses: Floats, corridor: Corridor, towed: Sequence[int
     way along the road, since its heading need not follow its swaying. A towed body has its mean speed over the last
     step, as in the simulation.
     """
-    steps = np.diff(poses, axis=0) / np.diff(time)[:, None, None]
-    heading = poses[:, :, 3]
-    after = heading[1:]
-    mean = steps[:, :, 0] * np.cos(after) + steps[:, :, 1] * np.sin(after)
-    flat = corridor.locate_all(poses[:, :, 0].ravel(), poses[:, :, 1].ravel())
-    s, t = (one.reshape(heading.shape) for one in flat)
-    sin, cos, bend = (
-        np.interp(s, corridor.s, one) for one in (corridor.sin, corridor.cos, corridor.curvature)
-    )
-    aligned = np.cos(heading) * cos + np.sin(heading) * sin
-    along = np.diff(s, axis=0) / np.diff(time)[:, None] * (1.0 - bend * t)[1:]
-    drives = np.abs(aligned[:-1]) > _ALIGNED
-    drives[:, [0, *towed]] = False
-    mean[drives] = along[drives] / aligned[:-1][drives]
-    speeds = np.empty(heading.shape)
-    speeds[1:] = mean
+    mean = _mean_speeds(time, poses, corridor, towed)
     change = np.diff(mean, axis=0)
+    speeds = np.empty(poses.shape[:2])
+    speeds[0] = mean[0] if len(mean) < 2 else mean[0] - 0.5 * (mean[1] - mean[0])
+    speeds[1:] = mean
     speeds[2:] += 0.5 * change
     turn = np.diff(change, axis=0)
     is_sudden = np.abs(turn[:-1]) < 0.5 * np.abs(turn[1:])
     speeds[4:] += np.where(is_sudden, 0.5 * turn[1:], 0.0)
     speeds[1:][speeds[1:] * mean <= 0.0] = 0.0
     speeds[2:, towed] = mean[1:, towed]
-    speeds[0] = mean[0] if len(mean) < 2 else mean[0] - 0.5 * (mean[1] - mean[0])
     return speeds
+
+
+def _mean_speeds(time: Floats, poses: Floats, corridor: Corridor, towed: Sequence[int]) -> Floats:
+    """Return the mean speeds along the headings in every step: [n - 1, bodies], m/s."""
+    heading, durations_s = poses[:, :, 3], np.diff(time)[:, None]
+    velocities = np.diff(poses[:, :, :2], axis=0) / durations_s[:, :, None]
+    mean: Floats = velocities[:, :, 0] * np.cos(heading[1:]) + velocities[:, :, 1] * np.sin(
+        heading[1:]
+    )
+    flat_s, flat_t = corridor.locate_all(poses[:, :, 0].ravel(), poses[:, :, 1].ravel())
+    s, t = flat_s.reshape(heading.shape), flat_t.reshape(heading.shape)
+    sin, cos, curvature = (
+        np.interp(s, corridor.s, values)
+        for values in (corridor.sin, corridor.cos, corridor.curvature)
+    )
+    alignment = np.cos(heading) * cos + np.sin(heading) * sin
+    along = np.diff(s, axis=0) / durations_s * (1.0 - curvature * t)[1:]
+    drives_along = np.abs(alignment[:-1]) > _ALIGNED
+    drives_along[:, [0, *towed]] = False
+    mean[drives_along] = along[drives_along] / alignment[:-1][drives_along]
+    return mean
 
 
 def _decision(scene: Scene, states: Sequence[State], corridor: Corridor) -> tuple[int, bool]:
@@ -238,7 +289,7 @@ def _decision(scene: Scene, states: Sequence[State], corridor: Corridor) -> tupl
     for index, state in enumerate(states):
         if is_due(scene.decision, None, state, corridor):
             return index, True
-        if state.contacts or state.off_road or state.time >= MAX_APPROACH_S:
+        if _is_harm(state) or state.time >= MAX_APPROACH_S:
             return index, False
     return len(states) - 1, False
 
@@ -246,6 +297,10 @@ def _decision(scene: Scene, states: Sequence[State], corridor: Corridor) -> tupl
 def _until_harm(states: Sequence[State]) -> list[State]:
     """Return the states up to the first contact or the road's edge."""
     for index, state in enumerate(states):
-        if state.contacts or state.off_road:
+        if _is_harm(state):
             return list(states[: index + 1])
     return list(states)
+
+
+def _is_harm(state: State) -> bool:
+    return bool(state.contacts) or state.off_road

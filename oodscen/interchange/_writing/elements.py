@@ -25,7 +25,7 @@ def file_header(root: Element, minor: int, description: str) -> Element:
     header = etree.Element("FileHeader")
     values = (("revMajor", 1), ("revMinor", minor), ("date", _DATE), ("description", description))
     for name, value in (*values, ("author", "oodscen")):
-        header.set(name, written(value))
+        header.set(name, attribute_text(value))
     root.insert(0, header)
     return header
 
@@ -39,7 +39,7 @@ def to_bytes(root: Element) -> bytes:
 def child(parent: Element, tag: str, **attributes: Value) -> Element:
     """Append an element to a parent and return it."""
     return etree.SubElement(
-        parent, tag, {name: written(value) for name, value in attributes.items()}
+        parent, tag, {name: attribute_text(value) for name, value in attributes.items()}
     )
 
 
@@ -50,7 +50,7 @@ def within(parent: Element, *tags: str) -> Element:
     return parent
 
 
-def written(value: Value) -> str:
+def attribute_text(value: Value) -> str:
     """Return the text of an attribute; numbers have at most six decimals and no exponent."""
     if isinstance(value, bool | np.bool_):
         return "true" if value else "false"

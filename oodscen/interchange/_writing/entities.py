@@ -23,7 +23,7 @@ _VEHICLES = (
 _OBJECTS = {"work_zone": "barrier", "vegetation": "vegetation", "signal": "pole"}
 """Categories of objects by the asset's category; others are obstacles."""
 MASS_KG = {"Vehicle": 1500.0, "Pedestrian": 75.0, "MiscObject": 50.0}
-"""Masses by kind, which the standard asks for; only things made to order have their own."""
+"""Masses by kind, which the standard asks for; only the props of a scene have their own."""
 
 
 class Entity(NamedTuple):
@@ -48,22 +48,23 @@ def entities(scene: Scene, catalogue: Catalogue) -> list[Entity]:
     ]
 
 
-def _entity(name: str, asset: Asset, state: str, mass: float | None) -> Entity:
+def _entity(name: str, asset: Asset, state: str, mass_kg: float | None) -> Entity:
     kind, category = classified(asset)
-    ahead = 0.0
+    ahead_m = 0.0
     if name == "ego":
-        ahead = _EGO_AXLE_M
+        ahead_m = _EGO_AXLE_M
     elif kind == "Vehicle" and category != "trailer":
-        ahead = round(AXLE_SHARE * asset.length, 3)
-    return Entity(name, asset, state, kind, category, ahead, mass or MASS_KG[kind])
+        ahead_m = round(AXLE_SHARE * asset.length, 3)
+    mass_kg = MASS_KG[kind] if mass_kg is None else mass_kg
+    return Entity(name, asset, state, kind, category, ahead_m, mass_kg)
 
 
 def classified(asset: Asset) -> tuple[Kind, str]:
     """Return the kind of scenario object and its category for an asset."""
     words = set(" ".join([asset.id, asset.description, *asset.tags]).replace("_", " ").split())
     if asset.category == "vehicle":
-        found = (category for names, category in _VEHICLES if words.intersection(names))
-        return "Vehicle", next(found, "car")
+        categories = (category for names, category in _VEHICLES if words.intersection(names))
+        return "Vehicle", next(categories, "car")
     if asset.category == "cyclist":
         return "Vehicle", "bicycle"
     if asset.category == "animal":

@@ -37,16 +37,15 @@ class ScenarioFile(Brief):
             raise UsageError(
                 f"the id of the scene, {self.name[:80]!r}, cannot be the name of a file"
             )
-        place = Path(folder)
-        path = place / f"{self.name}.xosc"
-        road = place / self.road.name
-        with writing(place):
-            for file in (path, road, *(place / name for name in self.beside)):
+        target = Path(folder)
+        path, road = target / f"{self.name}.xosc", target / self.road.name
+        with writing(target):
+            for file in (path, road, *(target / name for name in self.beside)):
                 refuse_own(file)
-            place.mkdir(parents=True, exist_ok=True)
+            target.mkdir(parents=True, exist_ok=True)
             if not road.exists() or road.read_bytes() != self.road.content:
                 replace(road, self.road.content)
             replace(path, self.xosc)
             for name, content in self.beside.items():
-                replace(place / name, content)
+                replace(target / name, content)
         return path

@@ -20,11 +20,14 @@ _RUNS = 100
 _TIED = 2e-4
 """Conditions are written up to this far from the trigger's value, to avoid ties (see docs/interchange.md); m or s."""
 _UNVARIED = "No parameter of the scene has a range."
-_ATTRIBUTES = {
+_WEATHER = {
     "friction": ("RoadCondition", "frictionScaleFactor"),
-    "fog_visual_range": ("Fog", "visualRange"),
+    "fog_visual_range_m": ("Fog", "visualRange"),
 }
-"""Element and attribute that hold a parameter, wherever the element is."""
+"""Element and attribute that hold a field of the weather."""
+_TARGET_SPEED = "AbsoluteTargetSpeed"
+_MEASURES = ("DistanceCondition", "TimeToCollisionCondition")
+"""Conditions with the value of a trigger; `RelativeDistanceCondition` has another, between reference points."""
 
 
 def logical_file(
@@ -49,31 +52,33 @@ def logical_file(
     """
     root = etree.fromstring(file.xosc, etree.XMLParser(remove_blank_text=True))
     strip_ego(root)
-    found = [
-        (parameter, _places(root, parameter)) for parameter in ranges(scene, catalogue, claims)
-    ]
-    used = [parameter for parameter, places in found if places]
     name = f"{scene.id}.logical"
-    if not used:
+    parameters = [
+        parameter
+        for parameter in ranges(scene, catalogue, claims)
+        if _replace_values(root, scene, parameter)
+    ]
+    if not parameters:
         return ScenarioFile(name, _signed(root), file.road, (*file.notes, _UNVARIED))
-    for parameter, places in found:
-        for element, attribute in places:
-            element.set(attribute, f"${parameter.name}")
-    declared = etree.Element("ParameterDeclarations")
-    for parameter in used:
+    root.insert(1, _declarations(parameters))  # after FileHeader
+    beside = {
+        f"{scene.id}.deterministic.xosc": _deterministic(f"{name}.xosc", parameters),
+        f"{scene.id}.stochastic.xosc": _stochastic(f"{name}.xosc", parameters, seed),
+    }
+    return ScenarioFile(name, _signed(root), file.road, file.notes, beside)
+
+
+def _declarations(parameters: Sequence[ParameterRange]) -> Element:
+    holder = etree.Element("ParameterDeclarations")
+    for parameter in parameters:
         child(
-            declared,
+            holder,
             "ParameterDeclaration",
             name=parameter.name,
             parameterType="double",
             value=parameter.value,
         )
-    root.insert(1, declared)  # after FileHeader
-    beside = {
-        f"{scene.id}.deterministic.xosc": _deterministic(f"{name}.xosc", used),
-        f"{scene.id}.stochastic.xosc": _stochastic(f"{name}.xosc", used, seed),
-    }
-    return ScenarioFile(name, _signed(root), file.road, file.notes, beside)
+    return holder
 
 
 def _signed(root: Element) -> bytes:
@@ -83,45 +88,57 @@ def _signed(root: Element) -> bytes:
     return to_bytes(root)
 
 
-def _places(root: Element, parameter: ParameterRange) -> list[tuple[Element, str]]:
-    """Return the attributes that hold a parameter."""
-    if parameter.name in _ATTRIBUTES:
-        tag, attribute = _ATTRIBUTES[parameter.name]
-        return [(element, attribute) for element in root.iter(tag)]
-    if parameter.name == "ego_speed":
-        starts = (node for node in root.iter("Private") if node.get("entityRef") == "ego")
-        return [(speed, "value") for node in starts for speed in node.iter("AbsoluteTargetSpeed")]
-    if not parameter.name.startswith("trigger_"):
-        return []
-    return [
-        (measured, "value")
-        for condition in root.iter("Condition")
-        if condition.get("name", "").replace("-", "_") == parameter.name
-        for measured in condition.iter("DistanceCondition", "TimeToCollisionCondition")
-        if abs(float(measured.get("value", "nan")) - parameter.value) <= _TIED
-    ]
+def _replace_values(root: Element, scene: Scene, parameter: ParameterRange) -> bool:
+    """Put a parameter in place of its value, and return whether the document has that value."""
+    attributes = _attributes_of(root, scene, parameter)
+    for element, attribute in attributes:
+        element.set(attribute, f"${parameter.name}")
+    return bool(attributes)
 
 
-def _deterministic(scenario: str, used: Sequence[ParameterRange]) -> bytes:
+def _attributes_of(
+    root: Element, scene: Scene, parameter: ParameterRange
+) -> list[tuple[Element, str]]:
+    """Return the elements and attributes that hold the value of a parameter."""
+    match parameter.path:
+        case ("weather", field):
+            tag, attribute = _WEATHER[str(field)]
+            return [(element, attribute) for element in root.iter(tag)]
+        case ("ego", "speed"):
+            starts = (start for start in root.iter("Private") if start.get("entityRef") == "ego")
+            return [(speed, "value") for start in starts for speed in start.iter(_TARGET_SPEED)]
+        case ("actors", int(index), "behaviour", "trigger", "value"):
+            name = f"trigger_{scene.actors[index].id}"
+            return [
+                (measure, "value")
+                for condition in root.iter("Condition")
+                if condition.get("name") == name
+                for measure in condition.iter(*_MEASURES)
+                if abs(float(measure.get("value", "nan")) - parameter.value) <= _TIED
+            ]
+    return []
+
+
+def _deterministic(scenario: str, parameters: Sequence[ParameterRange]) -> bytes:
     """Return a file of evenly spaced values for the parameters of a scenario."""
     root, holder = _distribution(scenario)
     group = child(holder, "Deterministic")
-    for parameter in used:
+    for parameter in parameters:
         single = child(
             group, "DeterministicSingleParameterDistribution", parameterName=parameter.name
         )
         width = (parameter.high - parameter.low) / _STEPS
-        _add_range(child(single, "DistributionRange", stepWidth=width), parameter)
+        _add_limits(child(single, "DistributionRange", stepWidth=width), parameter)
     return to_bytes(root)
 
 
-def _stochastic(scenario: str, used: Sequence[ParameterRange], seed: int) -> bytes:
+def _stochastic(scenario: str, parameters: Sequence[ParameterRange], seed: int) -> bytes:
     """Return a file of uniform distributions for the parameters of a scenario."""
     root, holder = _distribution(scenario)
     group = child(holder, "Stochastic", numberOfTestRuns=_RUNS, randomSeed=float(seed))
-    for parameter in used:
+    for parameter in parameters:
         single = child(group, "StochasticDistribution", parameterName=parameter.name)
-        _add_range(child(single, "UniformDistribution"), parameter)
+        _add_limits(child(single, "UniformDistribution"), parameter)
     return to_bytes(root)
 
 
@@ -134,5 +151,5 @@ def _distribution(scenario: str) -> tuple[Element, Element]:
     return root, holder
 
 
-def _add_range(spread: Element, parameter: ParameterRange) -> None:
-    child(spread, "Range", lowerLimit=parameter.low, upperLimit=parameter.high)
+def _add_limits(distribution: Element, parameter: ParameterRange) -> None:
+    child(distribution, "Range", lowerLimit=parameter.low, upperLimit=parameter.high)

@@ -1,4 +1,4 @@
-"""Properties: what a file says about its scene beyond the standard's elements."""
+"""Properties: facts about a scene for which the standard has no elements."""
 
 import hashlib
 import json
@@ -31,25 +31,25 @@ def facts(
     claims: Sequence[Claim] = (),
     episode: Episode | None = None,
 ) -> dict[str, str]:
-    """Return what is known of a scene, by the names of properties without their prefix."""
-    found = {"scene_id": scene.id, "hazard": ", ".join(scene.hazard.actors) or "weather"}
+    """Return facts about a scene, by the names of properties without their prefix."""
+    values = {"scene_id": scene.id, "hazard": ", ".join(scene.hazard.actors) or "weather"}
     if scene.is_ordinary:
-        found["hazard"] = ""
+        values["hazard"] = ""
     else:
-        found["twin"] = twin_id(scene.id)
+        values["twin"] = twin_id(scene.id)
     if scenario is not None:
         text = scenario.text
         if scene.demand:
             text = scene.demand.text
         elif scene.is_twin:
             text = scenario.ordinary or ""
-        found["text"] = one_line(printable(text))
-        found["path"] = " > ".join(map(one_line, map(printable, scenario.path)))
+        values["text"] = one_line(printable(text))
+        values["path"] = " > ".join(map(one_line, map(printable, scenario.path)))
     if claims and not scene.is_twin:
-        found["claims"] = canonical_json([claim.model_dump(mode="json") for claim in claims])
+        values["claims"] = canonical_json([claim.model_dump(mode="json") for claim in claims])
     if episode is not None:
-        found["safe_actions"] = ", ".join(episode.safe_set)
-    return {name: value for name, value in found.items() if value}
+        values["safe_actions"] = ", ".join(episode.safe_set)
+    return {name: value for name, value in values.items() if value}
 
 
 def write_properties(holder: Element, values: Mapping[str, str]) -> None:
@@ -76,15 +76,16 @@ def content_digest(root: Element, scene: str) -> str:
 
 def write_digest(root: Element) -> None:
     """Append the digest of an indented document and of the scene in its header, in place of an earlier digest."""
-    held = root.find("FileHeader/Properties")
-    assert held is not None
-    said = {element.get("name"): element for element in held}
-    if DIGEST in said:
-        held.remove(said[DIGEST])
-    child(held, "Property", name=DIGEST, value=content_digest(root, said[SCENE].get("value", "")))
+    holder = root.find("FileHeader/Properties")
+    assert holder is not None
+    properties = {element.get("name"): element for element in holder}
+    if DIGEST in properties:
+        holder.remove(properties[DIGEST])
+    digest = content_digest(root, properties[SCENE].get("value", ""))
+    child(holder, "Property", name=DIGEST, value=digest)
 
 
-def described(scene: Scene, mode: str, notes: Sequence[str]) -> str:
+def description(scene: Scene, mode: str, notes: Sequence[str]) -> str:
     """Return the description of a file in its header."""
     text = " ".join([f"oodscen scene {scene.id}, {mode}.", *notes])
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."

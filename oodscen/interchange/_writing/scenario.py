@@ -24,19 +24,16 @@ from oodscen.interchange._writing.logical import logical_file
 from oodscen.interchange._writing.properties import (
     SCENE,
     ascii_json,
-    described,
+    description,
     facts,
     write_digest,
     write_properties,
 )
+from oodscen.interchange._writing.reactive import approximate, write_reactive
+from oodscen.interchange._writing.replay import write_replay
 from oodscen.interchange._writing.roads import road_file
 from oodscen.interchange._writing.scenario_runner import write_for_scenario_runner
-from oodscen.interchange._writing.storyboard import (
-    approximate,
-    strip_ego,
-    write_reactive,
-    write_replay,
-)
+from oodscen.interchange._writing.storyboard import strip_ego
 from oodscen.protocols import Simulator
 
 Mode = Literal["replay", "reactive", "logical"]
@@ -70,30 +67,30 @@ def to_openscenario(
     bodies = entities(scene, catalogue)
     corridor = load_corridor(scene.map, catalogue)
     if target == "carla-scenario-runner":
-        run = reactions(scene, catalogue, seed)
-        write_for_scenario_runner(root, scene, bodies, run, corridor)
-        file_header(root, 0, described(scene, mode, _RUNNER_NOTES))
+        reacting = reactions(scene, catalogue, seed)
+        write_for_scenario_runner(root, scene, bodies, reacting, corridor)
+        file_header(root, 0, description(scene, mode, _RUNNER_NOTES))
         return ScenarioFile(scene.id, to_bytes(root), road, _RUNNER_NOTES)
     holder = child(root, "Entities")
     for body in bodies:
         _add_properties(write_entity(holder, body), body.state, target)
     notes: list[str] = []
     if mode == "replay":
-        recording = replayed(scene, simulator or UnrenderedSimulator(catalogue), action, seed)
-        write_replay(root, scene, bodies, recording, corridor)
-        since = recording.decision_s or 0.0
+        run = replayed(scene, simulator or UnrenderedSimulator(catalogue), action, seed)
+        write_replay(root, scene, bodies, run, corridor)
+        decision_s = run.decision_s or 0.0
         notes.append(
-            f"Exact at steps of {recording.dt:g} s, with the ego's action {action} from {since:.2f} s on."
+            f"Exact at steps of {run.dt:g} s, with the ego's action {action} from {decision_s:.2f} s on."
         )
     else:
-        run = reactions(scene, catalogue, seed)
-        write_reactive(root, scene, bodies, run, corridor)
-        notes += _reactive_notes(scene, run)
+        reacting = reactions(scene, catalogue, seed)
+        write_reactive(root, scene, bodies, reacting, corridor)
+        notes += _reactive_notes(scene, reacting)
     if not ego or mode == "logical":
         strip_ego(root)
     notes += _player_notes(scene, target)
-    known = {**facts(scene), **(properties or {}), "seed": str(seed), "mode": mode}
-    _add_header(root, scene, known, described(scene, mode, notes))
+    values = {**facts(scene), **(properties or {}), "seed": str(seed), "mode": mode}
+    _add_header(root, scene, values, description(scene, mode, notes))
     file = ScenarioFile(scene.id, to_bytes(root), road, tuple(notes))
     return logical_file(file, scene, catalogue, claims, seed) if mode == "logical" else file
 
@@ -121,8 +118,8 @@ def _player_notes(scene: Scene, target: Target) -> Iterator[str]:
 def _reactive_notes(scene: Scene, run: Reactions) -> Iterator[str]:
     """Yield how exact a reactive file is."""
     yield f"Conditions at steps of {run.nominal.dt:g} s; reactions are those of a run with a blind ego."
-    for name, why in approximate(scene, run).items():
-        yield f"Not exact for every ego: {name} {why}."
+    for name, reason in approximate(scene, run).items():
+        yield f"Not exact for every ego: {name} {reason}."
 
 
 def _add_properties(holder: Element, state: str, target: Target) -> None:
@@ -133,10 +130,10 @@ def _add_properties(holder: Element, state: str, target: Target) -> None:
         child(holder, "Property", name="plineInterpolation", value="segment")
 
 
-def _add_header(root: Element, scene: Scene, known: Mapping[str, str], description: str) -> None:
+def _add_header(root: Element, scene: Scene, values: Mapping[str, str], text: str) -> None:
     """Insert the header, with the scene itself and the digest of it and of the file."""
-    holder = child(file_header(root, 2, description), "Properties")
-    write_properties(holder, known)
+    holder = child(file_header(root, 2, text), "Properties")
+    write_properties(holder, values)
     child(holder, "Property", name=SCENE, value=ascii_json(scene))
     etree.indent(root)
     write_digest(root)

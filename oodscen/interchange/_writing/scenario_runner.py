@@ -24,7 +24,8 @@ from oodscen.interchange._writing.entities import (
     write_chassis,
 )
 from oodscen.interchange._writing.environment import write_environment
-from oodscen.interchange._writing.storyboard import event, followers, maneuver_group, write_speed
+from oodscen.interchange._writing.reactive import followers
+from oodscen.interchange._writing.storyboard import event, maneuver_group, write_speed
 from oodscen.interchange._writing.triggers import at_time, of_entity
 
 BLUEPRINTS = "carla-0.9.16"
@@ -45,12 +46,12 @@ _SHORTEST_CHANGE_M = 5.0
 def unplayable(scene: Scene, run: Reactions) -> list[Issue]:
     """Return why ScenarioRunner cannot play a scene, by actor; empty if it can."""
     issues = []
-    behind = followers(scene, run)
+    following = followers(scene, run)
     for index, actor in enumerate(scene.actors):
         name, where = actor.behaviour.name, f"actors[{index}].behaviour"
         if name not in _ACTIONS:
             issues.append(Issue(where, f"ScenarioRunner has no action for {name!r}"))
-        elif actor.id in behind:
+        elif actor.id in following:
             issues.append(Issue(where, f"ScenarioRunner cannot make {actor.id!r} follow the ego"))
         elif _ACTIONS[name] == "walk" and actor.behaviour.other is not None:
             message = f"{actor.id!r} is attached to another actor, which ScenarioRunner cannot play"
@@ -92,18 +93,15 @@ def write_for_scenario_runner(
     at_time(board, "StopTrigger", "end", _END_S, "greaterThan")
 
 
-# ------------------------------------------------------------------ entities
-
-
-def _write_entity(parent: Element, entity: Entity, known: Catalogue) -> None:
+def _write_entity(parent: Element, entity: Entity, catalogue: Catalogue) -> None:
     """Append a scenario object, whose reference point is its centre."""
-    blueprint = _EGO_BLUEPRINT if entity.name == "ego" else _blueprint(entity.asset, known)
-    further: dict[Kind, dict[str, Value]] = {
+    blueprint = _EGO_BLUEPRINT if entity.name == "ego" else _blueprint(entity.asset, catalogue)
+    attributes: dict[Kind, dict[str, Value]] = {
         "Vehicle": {},
         "Pedestrian": {"model": blueprint, "mass": MASS_KG["Pedestrian"]},
         "MiscObject": {"mass": MASS_KG["MiscObject"]},
     }
-    body = write_body(parent, entity, blueprint, further[entity.kind], 0.0)
+    body = write_body(parent, entity, blueprint, attributes[entity.kind], 0.0)
     if entity.kind == "Vehicle":
         axle_m = AXLE_SHARE * entity.asset.length
         write_chassis(body, entity.asset, front_m=axle_m, rear_m=-axle_m)
@@ -111,14 +109,14 @@ def _write_entity(parent: Element, entity: Entity, known: Catalogue) -> None:
     child(child(body, "Properties"), "Property", name="type", value=role)
 
 
-def _blueprint(asset: Asset, known: Catalogue) -> str:
+def _blueprint(asset: Asset, catalogue: Catalogue) -> str:
     """Return the blueprint of an asset, or else the one that is nearest to it in kind and size."""
-    ids = {candidate.id for candidate in known.assets}
+    ids = {candidate.id for candidate in catalogue.assets}
     for name in (asset.id, *asset.names):
         if name in ids:
             return name
     kind, category = classified(asset)
-    candidates = [other for other in known.assets if classified(other)[0] == kind]
+    candidates = [other for other in catalogue.assets if classified(other)[0] == kind]
     nearest = min(
         candidates,
         key=lambda other: (
@@ -130,32 +128,29 @@ def _blueprint(asset: Asset, known: Catalogue) -> str:
     return nearest.id
 
 
-# ------------------------------------------------------------------ what actors do
-
-
 def _write_actor(act: Element, actor: Actor, run: Reactions, corridor: Corridor) -> None:
     """Append the group of one actor: its action at its trigger, and a stop after the distance that it walks."""
     behaviour, action_name = actor.behaviour, _ACTIONS[actor.behaviour.name]
     maneuver = child(maneuver_group(act, actor.id), "Maneuver", name=f"maneuver_{actor.id}")
-    starting, action = _event(maneuver, f"react_{actor.id}_0")
+    reaction, action = _event(maneuver, f"react_{actor.id}_0")
     if action_name == "lane_change":
         _write_lane_change(action, actor, _initial_speed(run, actor.id))
     else:
         target = 0.0 if action_name == "stop" else behaviour.parameters.get("speed", _WALK_MPS)
         write_speed(child(action, "PrivateAction"), target)
-    _write_trigger(starting, actor, run, corridor)
+    _write_trigger(reaction, actor, run, corridor)
     if action_name == "walk" and "distance" in behaviour.parameters:
-        resting, action = _event(maneuver, f"rest_{actor.id}_0")
+        rest, action = _event(maneuver, f"rest_{actor.id}_0")
         write_speed(child(action, "PrivateAction"), 0.0)
-        condition = of_entity(resting, f"there_{actor.id}", actor.id)
+        condition = of_entity(rest, f"there_{actor.id}", actor.id)
         child(condition, "TraveledDistanceCondition", value=behaviour.parameters["distance"])
 
 
 def _event(maneuver: Element, name: str) -> tuple[Element, Element]:
     """Append an event that ends its actor's others, in the word of version 1.0; return it and its action."""
-    started, action = event(maneuver, name)
-    started.set("priority", "overwrite")
-    return started, action
+    new, action = event(maneuver, name)
+    new.set("priority", "overwrite")
+    return new, action
 
 
 def _initial_speed(run: Reactions, name: str) -> float:

@@ -11,11 +11,13 @@ from oodscen.interchange._writing.elements import Element, child, within
 from oodscen.interchange._writing.entities import Entity
 from oodscen.numerics._exact import Floats
 
-PlacesVertex = Callable[[Element, Floats], None]
+PositionWriter = Callable[[Element, Floats], None]
+"""Completes a `Position` with a pose."""
 
 EXACT_M = 2e-5
 """Largest error of a course from which vertices are left out, m and rad."""
 _STILL = 1e-9
+"""Change in one step up to which a body rests, m and rad."""
 _REST_STEPS = 4
 """Shortest rest that parts two phases of a motion, in steps."""
 _TURN_M = 2e-5
@@ -24,13 +26,13 @@ _TURNING_RAD = 1e-6
 """Turn in one step above which a body turns, rad."""
 
 
-def reference_poses(recording: RecordedRun, row: int, entity: Entity, corridor: Corridor) -> Floats:
+def reference_poses(run: RecordedRun, row: int, entity: Entity, corridor: Corridor) -> Floats:
     """Return x, y, z, heading and pitch of an entity's reference point: [n, 5].
 
     The heading is continuous. A vehicle on a slope is pitched about its rear axle such that the centre of
-    its box is where the recording has it.
+    its box is where the run has it.
     """
-    centre = recording.poses[:, row]
+    centre = run.poses[:, row]
     poses = np.zeros((len(centre), 5))
     poses[:, :4] = centre
     poses[:, 3] = np.unwrap(centre[:, 3])
@@ -39,14 +41,11 @@ def reference_poses(recording: RecordedRun, row: int, entity: Entity, corridor: 
     cos, sin = np.cos(poses[:, 3]), np.sin(poses[:, 3])
     grade = np.zeros(len(poses))
     if np.ptp(corridor.z) > 0.0:
-        behind = corridor.locate_all(
-            centre[:, 0] - entity.ahead_m * cos, centre[:, 1] - entity.ahead_m * sin
-        )
-        here = recording.places[:, row, 0]
-        rise = np.interp(here, corridor.s, corridor.z) - np.interp(
-            behind[0], corridor.s, corridor.z
-        )
-        grade = rise / entity.ahead_m
+        axle_x, axle_y = centre[:, 0] - entity.ahead_m * cos, centre[:, 1] - entity.ahead_m * sin
+        axle_s, _ = corridor.locate_all(axle_x, axle_y)
+        centre_z = np.interp(run.places[:, row, 0], corridor.s, corridor.z)
+        axle_z = np.interp(axle_s, corridor.s, corridor.z)
+        grade = (centre_z - axle_z) / entity.ahead_m
     level = entity.ahead_m / np.sqrt(1.0 + grade * grade)
     poses[:, 0] -= level * cos
     poses[:, 1] -= level * sin
@@ -58,7 +57,7 @@ def reference_poses(recording: RecordedRun, row: int, entity: Entity, corridor: 
 def phases(poses: Floats) -> list[tuple[int, int]]:
     """Return the first and last step of every stretch that moves, parted by rests of several steps."""
     moves = np.abs(np.diff(poses, axis=0)).max(axis=1, initial=0.0) > _STILL
-    found, step = [], 0
+    spans, step = [], 0
     while step < len(moves):
         if not moves[step]:
             step += 1
@@ -66,8 +65,8 @@ def phases(poses: Floats) -> list[tuple[int, int]]:
         first = step
         while step < len(moves) and moves[step : step + _REST_STEPS].any():
             step += 1
-        found.append((first, step))
-    return found
+        spans.append((first, step))
+    return spans
 
 
 def vertices(time: Floats, poses: Floats) -> tuple[Floats, Floats]:
@@ -75,12 +74,12 @@ def vertices(time: Floats, poses: Floats) -> tuple[Floats, Floats]:
 
     Steps that lie on the straight line in space and time between the vertices around them are left out.
     """
-    poses = _rocked(poses)
-    kept = [0]
+    poses = _with_arc_length(poses)
+    steps = [0]
     last = len(time) - 1
-    while kept[-1] < last:
-        kept.append(_next_vertex(time, poses, kept[-1], last))
-    return time[kept], poses[kept]
+    while steps[-1] < last:
+        steps.append(_next_vertex(time, poses, steps[-1], last))
+    return time[steps], poses[steps]
 
 
 def _next_vertex(time: Floats, poses: Floats, first: int, last: int) -> int:
@@ -107,16 +106,15 @@ def _is_straight(time: Floats, poses: Floats, first: int, last: int) -> bool:
     return bool(np.abs(line - poses[first : last + 1]).max() <= EXACT_M)
 
 
-def _rocked(poses: Floats) -> Floats:
+def _with_arc_length(poses: Floats) -> Floats:
     """Give some arc length to a body that turns on the spot, alternately forward and back."""
     steps = np.diff(poses, axis=0)
-    spinning = (np.hypot(steps[:, 0], steps[:, 1]) < 0.5 * _TURN_M) & (
-        np.abs(steps[:, 3]) > _TURNING_RAD
-    )
-    if not spinning.any():
+    is_still = np.hypot(steps[:, 0], steps[:, 1]) < 0.5 * _TURN_M
+    is_spinning = is_still & (np.abs(steps[:, 3]) > _TURNING_RAD)
+    if not is_spinning.any():
         return poses
     poses, sign = poses.copy(), 1.0
-    for step in np.flatnonzero(spinning) + 1:
+    for step in np.flatnonzero(is_spinning) + 1:
         heading = poses[step, 3]
         poses[step, 0] += sign * _TURN_M * math.cos(heading)
         poses[step, 1] += sign * _TURN_M * math.sin(heading)
@@ -130,23 +128,23 @@ def write_trajectory(
     time: Floats,
     poses: Floats,
     *,
-    relative: bool = False,
-    place: PlacesVertex | None = None,
+    is_relative: bool = False,
+    write_position: PositionWriter | None = None,
 ) -> None:
     """Append the action that follows a course of reference points, [n, 5].
 
-    Times count from the start of the action if they are `relative`. `place` writes one vertex's position, by default
-    one in the world.
+    Times count from the start of the action if they are relative. The positions of vertices are by default in the
+    world.
     """
     holder = within(action, "PrivateAction", "RoutingAction", "FollowTrajectoryAction")
     reference = child(holder, "TrajectoryRef")
     trajectory = child(reference, "Trajectory", name=name, closed=False)
     line = within(trajectory, "Shape", "Polyline")
-    put = place or world_position
-    for moment, pose in zip(*vertices(time, poses), strict=True):
-        vertex = child(line, "Vertex", time=float(moment))
-        put(child(vertex, "Position"), pose)
-    domain = "relative" if relative else "absolute"
+    write = write_position or world_position
+    for vertex_time, pose in zip(*vertices(time, poses), strict=True):
+        vertex = child(line, "Vertex", time=float(vertex_time))
+        write(child(vertex, "Position"), pose)
+    domain = "relative" if is_relative else "absolute"
     timing = child(holder, "TimeReference")
     child(timing, "Timing", domainAbsoluteRelative=domain, scale=1.0, offset=0.0)
     child(holder, "TrajectoryFollowingMode", followingMode="position")
@@ -158,12 +156,12 @@ def world_position(position: Element, pose: Floats) -> None:
     child(position, "WorldPosition", x=x, y=y, z=z, h=heading, p=pitch, r=0.0)
 
 
-def own_position(name: str, origin: Floats) -> PlacesVertex:
+def own_position(name: str, origin: Floats) -> PositionWriter:
     """Return a writer of positions relative to an entity itself, where its course began."""
     x, y, z, heading = map(float, origin[:4])
     cos, sin = math.cos(heading), math.sin(heading)
 
-    def place(position: Element, pose: Floats) -> None:
+    def write(position: Element, pose: Floats) -> None:
         dx, dy = float(pose[0]) - x, float(pose[1]) - y
         relative = child(
             position,
@@ -175,4 +173,4 @@ def own_position(name: str, origin: Floats) -> PlacesVertex:
         )
         child(relative, "Orientation", type="relative", h=float(pose[3]) - heading)
 
-    return place
+    return write

@@ -18,18 +18,20 @@ _ALONG: dict[str, Value] = {
     "coordinateSystem": "road",
     "relativeDistanceType": "longitudinal",
 }
-_STANDS_M = 0.05
+_STANDING_M = 0.05
 """Way along the road up to which an actor counts as standing, as a crossing one does, m."""
 _TIE = 1e-4
 """Least difference of a condition's value from the nominal run's values at the steps around it, m or s.
 
 Rounding, which differs between players, would decide an exact tie.
 """
+_SLOWEST_MPS = 1.0
+"""Least closing speed by which a distance is converted into a time, m/s."""
 _EARLY_S = 0.001
 """Time before its step from which a time condition holds, against rounding in players, s."""
 
 
-def _condition(parent: Element, tag: str, name: str, delay_s: float = 0.0) -> Element:
+def _condition(parent: Element, tag: str, name: str, delay_s: float) -> Element:
     """Append a trigger of one condition, which must hold but need not begin to hold."""
     group = within(parent, tag, "ConditionGroup")
     return child(group, "Condition", name=name, delay=delay_s, conditionEdge="none")
@@ -40,13 +42,13 @@ def at_time(
 ) -> None:
     """Append a trigger by simulation time."""
     value = max(0.0, time_s - _EARLY_S) if rule == "greaterOrEqual" else time_s
-    holder = child(_condition(parent, tag, name), "ByValueCondition")
+    holder = child(_condition(parent, tag, name, 0.0), "ByValueCondition")
     child(holder, "SimulationTimeCondition", value=float(value), rule=rule)
 
 
 def of_entity(parent: Element, name: str, entity: str) -> Element:
     """Append a start trigger by an entity, and return the condition to complete."""
-    holder = child(_condition(parent, "StartTrigger", name), "ByEntityCondition")
+    holder = child(_condition(parent, "StartTrigger", name, 0.0), "ByEntityCondition")
     triggering = child(holder, "TriggeringEntities", triggeringEntitiesRule="any")
     child(triggering, "EntityRef", entityRef=entity)
     return child(holder, "EntityCondition")
@@ -91,13 +93,16 @@ class EgoConditions:
         """
         row = self.rows[trigger.actor or owner]
         condition = of_entity(parent, name, "ego")
-        along = self.nominal.places[: step + 1, row, 0]
-        stands = bool(np.abs(along - along[0]).max() <= _STANDS_M)
+        s = self.nominal.places[: step + 1, row, 0]
+        is_standing = bool(np.abs(s - s[0]).max() <= _STANDING_M)
         value = self._untied(trigger, row, step)
-        if trigger.kind == "distance":
-            self._distance(condition, value, row, step, stands)
+        if trigger.kind == "distance" and is_standing:
+            near = child(condition, "DistanceCondition", value=value, rule="lessOrEqual", **_ALONG)
+            self._write_place(near, row, step)
+        elif trigger.kind == "distance":
+            self._write_distance(condition, value, row)
         else:
-            self._time_to_collision(condition, value, row, step, stands)
+            self._write_time_to_collision(condition, value, row, step, is_standing=is_standing)
 
     def _untied(self, trigger: Trigger, row: int, step: int) -> float:
         """Return a trigger's value, off the values that the nominal run has at its step and the one before."""
@@ -107,26 +112,21 @@ class EgoConditions:
 
     def _measured(self, trigger: Trigger, row: int, step: int) -> float:
         """Return the distance, or the time to collision, to an actor at a step of the nominal run."""
-        ahead = float(self.nominal.places[step, row, 0] - self.nominal.places[step, 0, 0])
+        places = self.nominal.places[step]
+        ahead = float(places[row, 0] - places[0, 0])
         if trigger.kind == "distance":
             return abs(ahead)
-        ego, its = (
-            float(self.nominal.speeds[step, body])
-            * self.corridor.alignment(
-                float(self.nominal.places[step, body, 0]), float(self.nominal.poses[step, body, 3])
-            )
-            for body in (0, row)
-        )
-        closing = math.copysign(ego - its, (ego - its) * ahead)
+        approach = self._speed_along(step, 0) - self._speed_along(step, row)
+        closing = math.copysign(approach, approach * ahead)
         return abs(ahead) / closing if closing > 0.0 else math.inf
 
-    def _distance(
-        self, condition: Element, value: float, row: int, step: int, stands: bool
-    ) -> None:
-        if stands:
-            near = child(condition, "DistanceCondition", value=value, rule="lessOrEqual", **_ALONG)
-            self._place(near, row, step)
-            return
+    def _speed_along(self, step: int, row: int) -> float:
+        """Return the speed of a body along the road at a step of the nominal run, m/s."""
+        s, heading = self.nominal.places[step, row, 0], self.nominal.poses[step, row, 3]
+        alignment = self.corridor.alignment(float(s), float(heading))
+        return float(self.nominal.speeds[step, row]) * alignment
+
+    def _write_distance(self, condition: Element, value: float, row: int) -> None:
         child(
             condition,
             "RelativeDistanceCondition",
@@ -136,24 +136,23 @@ class EgoConditions:
             **_ALONG,
         )
 
-    def _time_to_collision(
-        self, condition: Element, value: float, row: int, step: int, stands: bool
+    def _write_time_to_collision(
+        self, condition: Element, value: float, row: int, step: int, *, is_standing: bool
     ) -> None:
-        if not stands:
-            ego, its = self.nominal.speeds[0, 0], self.nominal.speeds[0, row]
-            turn = self.nominal.poses[0, row, 3] - self.nominal.poses[0, 0, 3]
-            closing = float(ego - its * math.cos(turn))
-            value = max(0.0, value + self._shift(row) / max(closing, 1.0))
-        soon = child(
+        if not is_standing:
+            speeds, poses = self.nominal.speeds[0], self.nominal.poses[0]
+            closing = float(speeds[0] - speeds[row] * math.cos(poses[row, 3] - poses[0, 3]))
+            value = max(0.0, value + self._shift(row) / max(closing, _SLOWEST_MPS))
+        collision = child(
             condition, "TimeToCollisionCondition", value=value, rule="lessOrEqual", **_ALONG
         )
-        target = child(soon, "TimeToCollisionConditionTarget")
-        if stands:
-            self._place(target, row, step)
+        target = child(collision, "TimeToCollisionConditionTarget")
+        if is_standing:
+            self._write_place(target, row, step)
         else:
             child(target, "EntityRef", entityRef=self.entities[row].name)
 
-    def _place(self, parent: Element, row: int, step: int) -> None:
+    def _write_place(self, parent: Element, row: int, step: int) -> None:
         """Append an actor's place, moved back along the road by the ego's distance from its axle to its centre.
 
         In a bend or on a slope, that is not the straight distance between the two.

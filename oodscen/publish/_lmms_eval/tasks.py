@@ -32,8 +32,8 @@ metadata:
 def write_tasks(folder: Path, files: Collection[tuple[str, str]]) -> None:
     """Write the task folder; `files` holds the file of every split, relative to the folder."""
     folder.mkdir(parents=True, exist_ok=True)
-    listed = "\n".join(f"    {split}: {file}" for split, file in files)
-    _put(folder / "_common.yaml", _COMMON.format(files=listed))
+    lines = "\n".join(f"    {split}: {file}" for split, file in files)
+    _write(folder / "_common.yaml", _COMMON.format(files=lines))
     names = []
     for tasks in TASKS.values():
         figures = [figure for task in tasks for figure in FIGURES_OF_TASK[task]]
@@ -43,17 +43,18 @@ def write_tasks(folder: Path, files: Collection[tuple[str, str]]) -> None:
             f"    higher_is_better: {str(figure not in FAULTS).lower()}\n"
             for figure in figures
         )
-        names.append(f"oodscen_{tasks[0]}")
-        _put(
-            folder / f"{names[-1]}.yaml",
-            f"include: _common.yaml\ntask: {names[-1]}\n"
+        name = f"oodscen_{tasks[0]}"
+        names.append(name)
+        _write(
+            folder / f"{name}.yaml",
+            f"include: _common.yaml\ntask: {name}\n"
             f"process_docs: !function utils.{tasks[0]}_docs\nmetric_list:\n{metrics}",
         )
-    listed = "".join(f"  - {name}\n" for name in names)
-    _put(folder / "oodscen.yaml", f"group: oodscen\ntask:\n{listed}")
+    members = "".join(f"  - {name}\n" for name in names)
+    _write(folder / "oodscen.yaml", f"group: oodscen\ntask:\n{members}")
     source = resources.files("oodscen.publish._lmms_eval").joinpath("utils.py")
-    _put(folder / "utils.py", source.read_text(encoding="utf-8"))
+    _write(folder / "utils.py", source.read_text(encoding="utf-8"))
 
 
-def _put(path: Path, text: str) -> None:
+def _write(path: Path, text: str) -> None:
     path.write_text(text, encoding="utf-8")

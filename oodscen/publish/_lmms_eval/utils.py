@@ -6,16 +6,16 @@ from typing import Any
 from oodscen.publish import score_answers
 
 
-def _only(purpose: str) -> Callable[[Any], Any]:
-    def kept(docs: Any) -> Any:
-        return docs.filter(lambda one: one == purpose, input_columns="purpose")
+def _docs_of(purpose: str) -> Callable[[Any], Any]:
+    def docs_of_purpose(docs: Any) -> Any:
+        return docs.filter(lambda value: value == purpose, input_columns="purpose")
 
-    return kept
+    return docs_of_purpose
 
 
-notice_docs = _only("name-aspect")
-choose_docs = _only("choose-aspect")
-act_docs = _only("choose-action")
+notice_docs = _docs_of("name-aspect")
+choose_docs = _docs_of("choose-aspect")
+act_docs = _docs_of("choose-action")
 
 
 def doc_to_visual(doc: Mapping[str, Any]) -> list[Any]:
@@ -36,10 +36,10 @@ def process_results(doc: Mapping[str, Any], results: Iterable[str]) -> dict[str,
 
 
 def _figure(name: str) -> Callable[[list[tuple[Mapping[str, Any], str]]], float]:
-    def over(results: list[tuple[Mapping[str, Any], str]]) -> float:
-        return score_answers(results).get(name, float("nan"))
+    def aggregate(answers: list[tuple[Mapping[str, Any], str]]) -> float:
+        return score_answers(answers).get(name, float("nan"))
 
-    return over
+    return aggregate
 
 
 _FIGURES = {

@@ -134,6 +134,13 @@ def test_an_event_that_waits_for_nothing_known_is_left_out(text, tmp_path):
     assert any("a does not do this" in note for note in notes(found))
 
 
+def test_waiting_for_an_event_of_nobody_is_left_out(tmp_path):
+    text = chain(state("f", "startTransition"), at(3))
+    found = read(tmp_path, text.replace('<EntityRef entityRef="b"/></Actors>', "</Actors>"))
+    assert found.scene.actors[0].behaviour.name == "follow_lane"
+    assert any("the start of this is not known" in note for note in notes(found))
+
+
 def test_long_chains_of_events_are_left_out(tmp_path):
     waits = [
         event(STOP, state(f"e{number + 1}", "startTransition")).replace(

@@ -41,5 +41,12 @@ def test_no_code_is_run(text):
     assert substituted(text, {}) == text[2:-1]
 
 
+@pytest.mark.parametrize("text", ["sqrt(-1)", "pow(-8, 0.5)", "floor(1e999)", "1 / 0", "round()"])
+def test_what_has_no_value_is_refused_with_its_text(text):
+    with pytest.raises(ValueError, match="cannot be computed") as caught:
+        substituted(f"${{{text}}}", {})
+    assert repr(text) in str(caught.value)
+
+
 def test_powers_cannot_grow_without_bound():
     assert substituted("${9 ** 9 ** 9}", {}) == "9 ** 9 ** 9"

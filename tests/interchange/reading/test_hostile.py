@@ -171,3 +171,13 @@ def test_a_trace_is_told_from_a_scenario(tmp_path: Path, name: str) -> None:
     (tmp_path / name).write_bytes(b"\x0a\0\0\0")
     with pytest.raises(DataError, match="oodscen verdict"):
         OpenScenarioFile(tmp_path / name)
+
+
+def test_names_of_files_may_be_longer_than_a_system_allows(foreign):
+    road = FOREIGN.replace('filepath="road.xodr"', f'filepath="{"x" * 300}.xodr"')
+    with pytest.raises(DataError, match="there is no OpenDRIVE file"):
+        foreign(road)
+    folder = f'<ManeuverCatalog><Directory path="{"y" * 300}"/></ManeuverCatalog>'
+    text = FOREIGN.replace("<CatalogLocations/>", f"<CatalogLocations>{folder}</CatalogLocations>")
+    with pytest.raises(DataError, match="there is no folder 'yyy"):
+        foreign(text, ENTITY='<CatalogReference catalogName="c" entryName="m"/>')

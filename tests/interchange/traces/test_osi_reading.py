@@ -10,7 +10,13 @@ from hypothesis import strategies as st
 
 from oodscen.errors import DataError
 from oodscen.interchange._traces.osi_reading import read_osi_trace
-from oodscen.interchange._traces.osi_writing import _message, _number, _text, _vector, osi_trace
+from oodscen.interchange._traces.osi_writing import osi_trace
+from oodscen.interchange._traces.wire import (
+    message_field,
+    number_field,
+    text_field,
+    vector_field,
+)
 from tests.interchange.staging import SCENES, catalogue
 
 MOVING, STATIONARY = 5, 4
@@ -23,8 +29,11 @@ PLAIN_WORDS = (
 
 def body(kind, reference, x):
     """Return the field of one object."""
-    told = _message({MOVING: 10, STATIONARY: 5}[kind], _text(3, reference)) if reference else b""
-    return _message(kind, _message(2, _message(2, _vector(x, 0.0, 0.0))) + told)
+    reference_field = b""
+    if reference:
+        number = {MOVING: 10, STATIONARY: 5}[kind]
+        reference_field = message_field(number, text_field(3, reference))
+    return message_field(kind, message_field(2, vector_field(2, x, 0.0, 0.0)) + reference_field)
 
 
 def fault(data):
@@ -44,7 +53,8 @@ def whole_trace():
 
 def trace(*objects, seconds=0, nanos=0):
     """Return a trace of one moment."""
-    truth = _message(2, _number(1, seconds % 2**64) + _number(2, nanos)) + b"".join(objects)
+    stamp = number_field(1, seconds % 2**64) + number_field(2, nanos)
+    truth = message_field(2, stamp) + b"".join(objects)
     return struct.pack("<I", len(truth)) + truth
 
 

@@ -10,7 +10,12 @@ from hypothesis import strategies as st
 from oodscen.errors import DataError
 from oodscen.interchange import verdict
 from oodscen.interchange._recording import UnrenderedSimulator, replayed
-from oodscen.interchange._traces.osi_writing import _message, _number, _text, _vector
+from oodscen.interchange._traces.wire import (
+    message_field,
+    number_field,
+    text_field,
+    vector_field,
+)
 from oodscen.interchange._verdicts.poses import read_poses
 from tests.interchange.staging import SCENES, catalogue
 
@@ -28,23 +33,23 @@ def trace(*, host=0, size=None, place=None, since=0):
     played, messages = run(), []
     for step, time in enumerate(played.time.tolist()):
         nanos = round(time * 10**9)
-        stamp = _number(1, nanos // 10**9) + _number(2, nanos % 10**9)
-        truth = _message(2, stamp)
+        stamp = number_field(1, nanos // 10**9) + number_field(2, nanos % 10**9)
+        truth = message_field(2, stamp)
         if host is not None:
-            truth += _message(3, _number(1, host if step >= since else 0))
+            truth += message_field(3, number_field(1, host if step >= since else 0))
         for row, (name, asset, _) in enumerate(BODIES):
             x, y, z, heading = played.poses[step, row].tolist()
             box = (asset.length, asset.width)
             if size is not None and row == 0 and step >= since:
                 box = size
-            at = [_message(2, _vector(x, y, z + 0.5 * asset.height))]
-            if row == place and step >= since:
-                at = []
-            base = b"".join(at) + _message(3, _vector(0.0, 0.0, heading))
+            base = vector_field(3, 0.0, 0.0, heading)
+            if row != place or step < since:
+                base += vector_field(2, x, y, z + 0.5 * asset.height)
             if box:
-                base += _message(1, _vector(*box, asset.height))
-            reference = _message(10, _text(3, f"entity_name:{name}"))
-            truth += _message(5, _message(1, _number(1, row)) + _message(2, base) + reference)
+                base += vector_field(1, *box, asset.height)
+            reference = message_field(10, text_field(3, f"entity_name:{name}"))
+            body = message_field(1, number_field(1, row)) + message_field(2, base)
+            truth += message_field(5, body + reference)
         messages.append(struct.pack("<I", len(truth)) + truth)
     return b"".join(messages)
 

@@ -141,6 +141,21 @@ def test_a_short_line_of_the_log_of_esmini_is_named_so(tmp_path):
         read_poses(path)
 
 
+def test_bodies_that_come_and_go_are_too_many_before_memory_ends(tmp_path):
+    path = tmp_path / "scene.csv"
+    rows = "".join(f"{number},body {number},0,0,0\n" for number in range(5_000))
+    path.write_text(f"time,name,x,y,h\n{rows}")
+    with pytest.raises(DataError, match="5,000 bodies at 5,000 moments are too many"):
+        read_poses(path)
+
+
+def test_a_trace_is_known_by_its_suffix_in_any_case(tmp_path):
+    lower, upper = tmp_path / "run.osi", tmp_path / "RUN.OSI"
+    for path in (lower, upper):
+        path.write_bytes(osi_trace(SCENES[0], catalogue()))
+    assert same(read_poses(lower), read_poses(upper))
+
+
 def test_poses_come_back_from_osi(tmp_path):
     path = tmp_path / "scene.osi"
     for scene in SCENES[::10]:
@@ -166,6 +181,7 @@ def test_poses_come_back_from_osi(tmp_path):
         "time,name,x,y,h\n0,ego,1,2,3\n1,ego,1,2,3,4",
         "time,name,x,y,h,x\n0,ego,1,2,3,1\n1,ego,1,2,3,1",
         "time,name,x,y,h\n0,ego,1,2,3\n1,ego,1,1_0,3",
+        "time,name,x,y,h\n0,ego,1,2,3\n١,ego,1,1,3",
         f"time,name,x,y,h\n0,ego,1,2,3\n1,{'x' * 200_000},1,1,3",
         "esmini GIT REV: x\nno columns",
         "esmini GIT REV: x\nIndex [-], TimeStamp [s], #1 Entity_Name [-]\n0, 0.0, ego",

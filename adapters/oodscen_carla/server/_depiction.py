@@ -1,0 +1,125 @@
+"""The scene and the bodies that pictures of the served world show."""
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+from oodscen.data import (
+    Actor,
+    Behaviour,
+    Catalogue,
+    Ego,
+    Hazard,
+    Placement,
+    RoadMap,
+    Scene,
+    Trigger,
+    Weather,
+)
+from oodscen_carla._lights import LAMPS_OF_STATE, VehicleLight
+from oodscen_carla.server._actors import ServerActor
+from oodscen_carla.server._cameras import PicturedBody, Pose
+from oodscen_carla.server._values import Transform
+
+_HEADLAMPS = VehicleLight.POSITION | VehicleLight.LOW_BEAM | VehicleLight.HIGH_BEAM
+_BRAKING_MPS2 = -9.0
+"""Acceleration at which every simulator shows brake lamps, m/s^2."""
+_USUAL_ROLES = ("", "default", "autopilot")
+"""Roles that clients give to many vehicles."""
+_LONGEST_NAME = 60
+
+
+class LitVehicle(NamedTuple):
+    """A client's vehicle with its lamps on."""
+
+    name: str
+    asset: str
+    """Id of the asset that shows it."""
+
+
+class Motion(NamedTuple):
+    """The motion of one body of a staged scene."""
+
+    pose: Pose
+    speed: float
+    acceleration: float
+    """Along the heading, m/s^2."""
+
+
+def lit_vehicles(actors: Iterable[ServerActor]) -> tuple[LitVehicle, ...]:
+    """Return every vehicle with its lamps on."""
+    return tuple(
+        LitVehicle(_name_of(actor), actor.blueprint.asset.id)
+        for actor in actors
+        if actor.blueprint.asset is not None and actor.lights & _HEADLAMPS
+    )
+
+
+def street_scene(
+    road_map: RoadMap, catalogue: Catalogue, weather: Weather, lit: Iterable[LitVehicle]
+) -> Scene:
+    """Return a scene without a hazard, by which a simulator draws a road, its weather and lit vehicles."""
+    known = {known_map.id for known_map in catalogue.maps}
+    actors = {
+        vehicle.name: Actor(
+            id=vehicle.name,
+            asset=vehicle.asset,
+            placement=Placement(ahead_m=0.0),
+            behaviour=Behaviour(name="follow_route"),
+        )
+        for vehicle in lit
+    }
+    return Scene(
+        id="carla",
+        scenario_id="carla",
+        map=road_map.id if road_map.id in known else road_map.file,
+        ego=Ego(speed=0.0),
+        weather=weather,
+        actors=tuple(actors.values()),
+        hazard=Hazard(weather=weather),
+        decision=Trigger(),
+    )
+
+
+def staged_body(actor: ServerActor, motion: Motion) -> PicturedBody:
+    """Return a body of the staged scene as pictures show it."""
+    asset = actor.blueprint.asset
+    assert asset is not None
+    state = actor.attributes["state"]
+    return PicturedBody(
+        actor.id, actor.staged, asset, state, motion.pose, motion.speed, motion.acceleration
+    )
+
+
+def client_body(actor: ServerActor, place: Transform) -> PicturedBody:
+    """Return a client's body, at its place in the world, as pictures show it."""
+    asset = actor.blueprint.asset
+    assert asset is not None
+    x, y, z = place.location
+    pose = (x, -y, z, -math.radians(place.rotation[1]))
+    acceleration = actor.acceleration_along
+    if actor.lights & VehicleLight.BRAKE:
+        acceleration = min(acceleration, _BRAKING_MPS2)
+    state = _state_of(actor, asset.states)
+    return PicturedBody(actor.id, _name_of(actor), asset, state, pose, actor.speed, acceleration)
+
+
+def _name_of(actor: ServerActor) -> str:
+    """Return the name by which an actor's paint is chosen: its role, if that is telling."""
+    role = actor.attributes.get("role_name", "")
+    if role in _USUAL_ROLES:
+        return f"a{actor.id}"
+    name = re.sub(r"[^A-Za-z0-9_.-]", "_", role)[:_LONGEST_NAME].lstrip("_.-")
+    return name or f"a{actor.id}"
+
+
+def _state_of(actor: ServerActor, states: Sequence[str]) -> str:
+    """Return the state that an actor shows: its blueprint's attribute, or that of its lights."""
+    attribute = actor.attributes.get("state", "")
+    if attribute in states:
+        return attribute
+    for state, lights in LAMPS_OF_STATE.items():
+        if actor.lights & lights == lights and state in states:
+            return state
+    return ""
