@@ -57,7 +57,7 @@ def _contacts(
         car = solid[row]
         if car.staged == "ego":
             is_near |= [actor.staged in touched for actor in solid]
-        rivals = [solid[index] for index in np.flatnonzero(is_near) if index != row]
+        rivals = [solid[index] for index in np.flatnonzero(is_near).tolist() if index != row]
         found[car] = [other for other in rivals if _touch(car, other, touched)]
     return found
 
