@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from oodscen_pybullet._meshes import Mesh
 from oodscen_pybullet._meshes.atlas import draw_atlas
 from oodscen_pybullet._rendering.appearance import Look, mesh_of
-from oodscen_pybullet._rendering.view import FAR, NEAR, CameraView
+from oodscen_pybullet._rendering.view import FAR_M, NEAR_M, CameraView
 
 from oodscen.numerics import _exact as exact
 
@@ -139,7 +139,7 @@ class MuJoCo:
         spec.visual.global_.offwidth, spec.visual.global_.offheight = view.width, view.height
         spec.visual.quality.offsamples = 0
         spec.visual.quality.shadowsize = 0
-        spec.visual.map.znear, spec.visual.map.zfar = NEAR, FAR
+        spec.visual.map.znear, spec.visual.map.zfar = NEAR_M, FAR_M
         spec.visual.headlight.ambient = (0.6, 0.6, 0.6)
         spec.visual.headlight.diffuse = spec.visual.headlight.specular = (0.0, 0.0, 0.0)
         spec.stat.extent, spec.stat.center = 1.0, (0.0, 0.0, 0.0)
@@ -250,7 +250,7 @@ class Panda3D:
         lens = core.PerspectiveLens()
         lens.set_film_size(view.width, view.height)
         lens.set_focal_length(view.focal)
-        lens.set_near_far(NEAR, FAR)
+        lens.set_near_far(NEAR_M, FAR_M)
         eye = root.attach_new_node(core.Camera("dash", lens))
         eye.set_pos(*view.eye)
         ahead = [a + b for a, b in zip(view.eye, view.forward, strict=True)]

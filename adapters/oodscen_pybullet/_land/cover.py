@@ -6,10 +6,10 @@ import numpy as np
 
 from oodscen_pybullet._types import Array, Ints
 
-REACH = 2.5
+REACH_M = 2.5
 """Upper limit of measured distances, m."""
 _CELL_M = 2.5
-"""Side of a grid cell, m; any length will do, and it need not be `REACH`."""
+"""Side of a grid cell, m; any length will do, and it need not be `REACH_M`."""
 _BATCH = 150_000
 """Largest number of point-triangle pairs per batch."""
 _LEAST_SQUARE = 1e-12
@@ -31,8 +31,8 @@ class Cover:
         self._sides = np.roll(self._corners, -1, axis=1) - self._corners
         square = (self._sides**2).sum(axis=2)
         self._inverse_square = 1.0 / np.maximum(square, _LEAST_SQUARE)
-        low = np.floor((self._corners.min(axis=1) - REACH) / _CELL_M).astype(np.int64)
-        high = np.floor((self._corners.max(axis=1) + REACH) / _CELL_M).astype(np.int64)
+        low = np.floor((self._corners.min(axis=1) - REACH_M) / _CELL_M).astype(np.int64)
+        high = np.floor((self._corners.max(axis=1) + REACH_M) / _CELL_M).astype(np.int64)
         self._low = low.min(axis=0) if len(low) else np.zeros(2, np.int64)
         self._rows = int(high[:, 1].max() - self._low[1] + 1) if len(low) else 1
         self._bucket(low, high)
@@ -58,16 +58,16 @@ class Cover:
         self._counts = np.diff(np.append(self._starts, len(order)))
 
     def distance(self, x: Array, y: Array) -> Array:
-        """Return the distance of points from the covered area: negative inside, at most `REACH`, m.
+        """Return the distance of points from the covered area: negative inside, at most `REACH_M`, m.
 
-        It is exact outside, up to `REACH`. Inside, only the sign is meaningful, and it is 0 on edges between
+        It is exact outside, up to `REACH_M`. Inside, only the sign is meaningful, and it is 0 on edges between
         triangles.
 
         Args:
             x: [n], m
             y: [n], m
         """
-        distances = np.full(len(x), REACH)
+        distances = np.full(len(x), REACH_M)
         first, count = self._candidates(x, y)
         for rows in _batches(count):
             distances[rows] = self._signed_distances(x[rows], y[rows], first[rows], count[rows])
@@ -98,7 +98,7 @@ class Cover:
         distance = np.sqrt((px * px + py * py).min(axis=1))
         distance = np.where((cross >= 0.0).all(axis=1), -distance, distance)
         starts = np.concatenate([[0], np.cumsum(count)[:-1]])
-        return np.minimum(np.minimum.reduceat(distance, starts), REACH)
+        return np.minimum(np.minimum.reduceat(distance, starts), REACH_M)
 
 
 def band_triangles(edges: Sequence[tuple[Array, Array]]) -> Array:

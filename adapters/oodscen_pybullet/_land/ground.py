@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from oodscen.driving._roads.corridor import Corridor
-from oodscen_pybullet._land.cover import REACH, Cover, band_triangles
+from oodscen_pybullet._land.cover import REACH_M, Cover, band_triangles
 from oodscen_pybullet._land.ways import Way, ways_of
 from oodscen_pybullet._types import Array
 
@@ -78,7 +78,7 @@ class Ground:
             height[rows] += nearness * np.interp(along, way.course.s, way.course.z)
             if way.is_ego:
                 s, ego_asphalt = along, from_asphalt
-        close = np.flatnonzero(asphalt < REACH + _ROUGH_M)
+        close = np.flatnonzero(asphalt < REACH_M + _ROUGH_M)
         if len(close):
             asphalt[close] = _corrected(asphalt[close], self.asphalt(x[close], y[close]))
         return Near(asphalt, np.minimum(paved, asphalt), height / weight, s, ego_asphalt)
@@ -96,19 +96,19 @@ class Ground:
             y: [n], m
 
         Returns:
-            [n], m; negative on asphalt, at most `oodscen_pybullet._land.cover.REACH`.
+            [n], m; negative on asphalt, at most `oodscen_pybullet._land.cover.REACH_M`.
         """
         return self._asphalt.distance(x, y)
 
     def is_free(self, x: Array, y: Array, margin: float) -> bool:
         """Return whether all points are off the asphalt by more than a margin, m."""
         distance = self.asphalt(x, y)
-        if margin >= REACH and bool((distance > 0.0).all()):  # `asphalt` measures no farther
+        if margin >= REACH_M and bool((distance > 0.0).all()):  # `asphalt` measures no farther
             distance = self.near(x, y).asphalt
         return bool((distance > margin).all())
 
 
 def _corrected(rough: Array, exact: Array) -> Array:
     """Return the distances with the sign of the exact ones, and with their size where they are near."""
-    is_far, is_off, is_deep = exact >= REACH, exact > 0.0, rough < 0.0
-    return np.select([is_far, is_off, is_deep], [np.maximum(rough, REACH), exact, rough], exact)
+    is_far, is_off, is_deep = exact >= REACH_M, exact > 0.0, rough < 0.0
+    return np.select([is_far, is_off, is_deep], [np.maximum(rough, REACH_M), exact, rough], exact)

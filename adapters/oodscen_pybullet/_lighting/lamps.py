@@ -7,7 +7,7 @@ import numpy as np
 
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._meshes.mesh import Lamp
-from oodscen_pybullet._rendering.plate import GRID_AHEAD, GRID_ASIDE, GRID_CELL
+from oodscen_pybullet._rendering.plate import GRID_AHEAD, GRID_ASIDE, GRID_CELL_M
 from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._types import F32, Point
 
@@ -65,8 +65,8 @@ def _add_pool(grid: F32, view: CameraView, lamp: Lamp, dark: np.float32) -> bool
         dark: Darkness of the scene, 0 to 1.
     """
     aside, _, ahead = view.to_camera(lamp.position)
-    is_ahead = -_BEHIND_M < ahead < GRID_AHEAD * GRID_CELL + _BEYOND_M
-    if not (is_ahead and abs(aside) < GRID_ASIDE * GRID_CELL / 2 + _BESIDE_M):
+    is_ahead = -_BEHIND_M < ahead < GRID_AHEAD * GRID_CELL_M + _BEYOND_M
+    if not (is_ahead and abs(aside) < GRID_ASIDE * GRID_CELL_M / 2 + _BESIDE_M):
         return False
     facing = (_dot(lamp.facing, view.right), _dot(lamp.facing, view.forward))
     reach = _reach(lamp, facing)
@@ -74,7 +74,7 @@ def _add_pool(grid: F32, view: CameraView, lamp: Lamp, dark: np.float32) -> bool
     columns = _cells(aside, reach, GRID_ASIDE / 2, GRID_ASIDE)
     if not (rows and columns):
         return False
-    cell = np.float32(GRID_CELL)
+    cell = np.float32(GRID_CELL_M)
     y = (np.array(rows, np.float32) * cell - np.float32(ahead))[:, None]
     x = np.array(columns, np.float32) - np.float32(GRID_ASIDE / 2)
     x = (x * cell - np.float32(aside))[None, :]
@@ -99,8 +99,8 @@ def _reach(lamp: Lamp, facing: _Facing) -> float:
 
 def _cells(middle: float, reach: float, zero: float, count: int) -> range:
     """Return the cells of an axis of the grid within reach of a place on it, m."""
-    first = max(math.floor((middle - reach) / GRID_CELL + zero), 0)
-    return range(first, min(math.ceil((middle + reach) / GRID_CELL + zero) + 1, count))
+    first = max(math.floor((middle - reach) / GRID_CELL_M + zero), 0)
+    return range(first, min(math.ceil((middle + reach) / GRID_CELL_M + zero) + 1, count))
 
 
 def _pool(lamp: Lamp, facing: _Facing, x: F32, y: F32) -> F32:

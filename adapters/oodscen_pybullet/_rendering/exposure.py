@@ -16,10 +16,10 @@ from oodscen_pybullet._rendering.optics import OPAQUE, fade
 from oodscen_pybullet._rendering.plate import Air, Clouds, Daylight, Plate, PortalPlane, ShadowMaps
 from oodscen_pybullet._rendering.sky import (
     SKY_M,
+    clear_sky,
     cloud_columns,
     cloud_cover,
     cloud_sheet,
-    heaven,
 )
 from oodscen_pybullet._rendering.stage import RawPicture
 from oodscen_pybullet._rendering.triangles import GROUND
@@ -105,7 +105,7 @@ def expose(picture: RawPicture, rate: float, air: Sequence[float]) -> Plate:
         beam=_beam(view, light),
         spread=np.stack(spread).astype(np.float32),
         halo=_halo(upwards),
-        heaven=heaven(view, weather, light),
+        clear_sky=clear_sky(view, weather, light),
         has_grid=grid is not None,
         grid=_NO_GRID if grid is None else grid,
         wet=np.float32(_WET if weather.precipitation == "rain" else 0.0),

@@ -14,9 +14,9 @@ TINT_G, TINT_B = np.float32(0.97), np.float32(0.88)
 """Green and blue of the ego's beams, relative to red."""
 CLOUD_TINT = (np.float32(0.971), np.float32(0.984), _ONE)
 """Colour of clouds."""
-FARTHEST = np.float32(400.0)
+FARTHEST_M = np.float32(400.0)
 """Distance beyond which lamps are alike, m."""
-HORIZON = np.float32(1e6)
+HORIZON_M = np.float32(1e6)
 """Distance that stands for none: of the sky, and of a portal that is not ahead, m."""
 OPAQUE = np.float32(40.0)
 """Optical depth beyond which nothing is seen; the limit of `fade`."""

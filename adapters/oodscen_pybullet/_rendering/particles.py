@@ -8,7 +8,7 @@ import numpy as np
 from oodscen.numerics import _exact as exact
 from oodscen.numerics._kernels import Kernel
 from oodscen_pybullet._rendering.stage import PlacedPuff, RawPicture
-from oodscen_pybullet._rendering.view import NEAR, CameraView
+from oodscen_pybullet._rendering.view import NEAR_M, CameraView
 from oodscen_pybullet._types import F32, U8, Mask, Point
 
 
@@ -61,7 +61,7 @@ def _from_afar(
     for ball in balls:
         puff = ball.puff
         across, upwards, ahead = view.to_camera(puff.position)
-        if ahead > NEAR + 0.2 * puff.radius:
+        if ahead > NEAR_M + 0.2 * puff.radius:
             column = view.width / 2 + view.focal * across / ahead
             row = view.height / 2 - view.focal * upwards / ahead
             radius = max(view.focal * puff.radius / ahead, 0.4)

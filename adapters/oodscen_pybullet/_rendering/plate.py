@@ -9,7 +9,7 @@ import numpy as np
 
 from oodscen_pybullet._types import F32, U8
 
-GRID_AHEAD, GRID_ASIDE, GRID_CELL = 192, 160, 0.5
+GRID_AHEAD, GRID_ASIDE, GRID_CELL_M = 192, 160, 0.5
 """Cells ahead of and across the camera in which lamps light the ground, and their size, m."""
 _NONE = np.float32(0.0)
 
@@ -138,7 +138,7 @@ class Plate(NamedTuple):
     """[3, width] lateral falloff of the ego's beams on objects, and in the air; column of the cloud sheet."""
     halo: F32
     """[height] brightness of the ego's beams in the air."""
-    heaven: F32
+    clear_sky: F32
     """[height, 5] colour of the clear sky, row of the cloud sheet and weight of the next row."""
     has_grid: bool
     grid: F32

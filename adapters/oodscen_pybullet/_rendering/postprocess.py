@@ -12,8 +12,8 @@ from oodscen.numerics._kernels import Kernel, part
 from oodscen_pybullet._rendering.optics import (
     CLOUD_GAIN,
     CLOUD_TINT,
-    FARTHEST,
-    HORIZON,
+    FARTHEST_M,
+    HORIZON_M,
     OPAQUE,
     TINT_B,
     TINT_G,
@@ -23,7 +23,7 @@ from oodscen_pybullet._rendering.optics import (
     fade,
     grain,
 )
-from oodscen_pybullet._rendering.plate import GRID_AHEAD, GRID_ASIDE, GRID_CELL, Plate
+from oodscen_pybullet._rendering.plate import GRID_AHEAD, GRID_ASIDE, GRID_CELL_M, Plate
 from oodscen_pybullet._rendering.triangles import GROUND, SHELTERED, SHINING, SOFT
 from oodscen_pybullet._types import F32, U8
 
@@ -197,13 +197,13 @@ def _find_tunnel(plate: Plate, line: RowBuffers, y: int) -> None:
     up = plate.upwards[y]
     for x in range(across.shape[0]):
         towards = portal.forward + up * portal.up + across[x] * portal.right
-        gate[x] = HORIZON
+        gate[x] = HORIZON_M
         if towards > _FACING:
             gate[x] = portal.distance / towards
         indoors[x] = _ZERO
         if kinds[y, x] & SHELTERED:
             # Daylight enters for some metres.
-            way = np.minimum(reach[y, x], FARTHEST) * towards - portal.distance
+            way = np.minimum(reach[y, x], FARTHEST_M) * towards - portal.distance
             way = way * _ENTERS
             indoors[x] = clear[x]
             clear[x] = clear[x] / (_ONE + way * way)
@@ -229,7 +229,7 @@ def _add_beams(plate: Plate, line: RowBuffers, y: int) -> None:
     light = line.light
     rise = plate.upwards[y] * axes[1, 2] + axes[2, 2]
     for x in range(light.shape[1]):
-        near = np.minimum(reach[y, x], FARTHEST)
+        near = np.minimum(reach[y, x], FARTHEST_M)
         is_ground = kinds[y, x] & (GROUND | SOFT) == GROUND
         aloft = _ZERO if is_ground else plate.eye_height + near * rise
         bright = beam(near, aloft, spread[0, x], plate.beam)
@@ -247,9 +247,9 @@ def _add_lamps(plate: Plate, line: RowBuffers, y: int) -> None:
     rise = plate.upwards[y] * axes[1, 2] + axes[2, 2]
     one = np.uint64(1)
     for x in range(light.shape[1]):
-        near = np.minimum(reach[y, x], FARTHEST)
-        u = near * np.float32(1.0 / GRID_CELL)
-        v = near * across[x] * np.float32(1.0 / GRID_CELL) + np.float32(GRID_ASIDE / 2)
+        near = np.minimum(reach[y, x], FARTHEST_M)
+        u = near * np.float32(1.0 / GRID_CELL_M)
+        v = near * across[x] * np.float32(1.0 / GRID_CELL_M) + np.float32(GRID_ASIDE / 2)
         if not (u < np.float32(GRID_AHEAD - 1) and _ZERO <= v < np.float32(GRID_ASIDE - 1)):
             continue
         i, j = np.uint64(np.int32(u)), np.uint64(np.int32(v))
@@ -313,14 +313,14 @@ def _find_veil(plate: Plate, line: RowBuffers, y: int) -> None:
     is_inside = plate.portal.is_inside
     for x in range(veil.shape[0]):
         stretch = np.sqrt(_ONE + across[x] * across[x] + up * up)
-        far = np.minimum(reach[y, x], HORIZON) * stretch
+        far = np.minimum(reach[y, x], HORIZON_M) * stretch
         veil[x] = far * rate
     if plate.portal.is_ahead:
         # Rain and snow obscure only what is outside.
         fog = plate.air.fog_rate
         for x in range(veil.shape[0]):
             stretch = np.sqrt(_ONE + across[x] * across[x] + up * up)
-            near = np.minimum(reach[y, x], HORIZON)
+            near = np.minimum(reach[y, x], HORIZON_M)
             is_sheltered = kinds[y, x] & SHELTERED != 0
             wet = np.minimum(near, gate[x]) if is_sheltered else near
             if is_inside:
@@ -348,7 +348,7 @@ def _add_air(plate: Plate, line: RowBuffers, y: int) -> None:
 @part
 def _add_sky(plate: Plate, line: RowBuffers, y: int) -> None:
     """Paint the sky and its clouds, in part behind silhouettes."""
-    spread, sky, heaven, light = plate.spread, plate.sky, plate.heaven, line.light
+    spread, sky, clear_sky, light = plate.spread, plate.sky, plate.clear_sky, line.light
     cover, sheet, clouds = plate.clouds, plate.clouds.sheet, line.clouds
     is_sky = False
     for x in range(light.shape[1]):
@@ -356,7 +356,7 @@ def _add_sky(plate: Plate, line: RowBuffers, y: int) -> None:
     if not is_sky:
         return
     through = plate.air.sky_through
-    low, between = np.int64(heaven[y, 3]), heaven[y, 4]
+    low, between = np.int64(clear_sky[y, 3]), clear_sky[y, 4]
     for x in range(sheet.shape[1]):
         clouds[x] = sheet[low, x] + (sheet[low + 1, x] - sheet[low, x]) * between
     for x in range(light.shape[1]):
@@ -373,7 +373,7 @@ def _add_sky(plate: Plate, line: RowBuffers, y: int) -> None:
         behind = np.float32(sky[y, x]) * TINY
         for c in range(3):
             tinted = grey * CLOUD_TINT[c]
-            colour = heaven[y, c] + (tinted - heaven[y, c]) * share
+            colour = clear_sky[y, c] + (tinted - clear_sky[y, c]) * share
             if through < _ONE:
                 air = plate.air.colour[c] + glow
                 colour = air + (colour - air) * through

@@ -8,8 +8,8 @@ import numpy as np
 from oodscen_pybullet._rendering.optics import (
     CLOUD_GAIN,
     CLOUD_TINT,
-    FARTHEST,
-    HORIZON,
+    FARTHEST_M,
+    HORIZON_M,
     OPAQUE,
     TINT_B,
     TINT_G,
@@ -57,7 +57,7 @@ def _light(plate: Plate) -> F32:
     """Return the light of day and of the ego's low beams."""
     light = np.zeros((3, *plate.reach.shape), np.float32) + plate.daylight.direct.reshape(3, 1, 1)
     if plate.beam > 0.0:
-        near = np.minimum(plate.reach, FARTHEST)
+        near = np.minimum(plate.reach, FARTHEST_M)
         rise = (plate.upwards * plate.axes[1, 2] + plate.axes[2, 2])[:, None]
         is_ground = (plate.kinds & (GROUND | SOFT)) == GROUND
         aloft = np.where(is_ground, _ZERO, plate.eye_height + near * rise)
@@ -75,19 +75,19 @@ def _veil(plate: Plate) -> F32:
     """Return the fraction of the light that the air lets through, [height, width]."""
     across, upwards = plate.across[None, :], plate.upwards[:, None]
     stretch = np.sqrt(_ONE + across * across + upwards * upwards)
-    far = np.minimum(plate.reach, HORIZON) * stretch * plate.air.rate
+    far = np.minimum(plate.reach, HORIZON_M) * stretch * plate.air.rate
     return np.asarray(fade(np.minimum(far, OPAQUE)))
 
 
 def _sky(plate: Plate) -> F32:
     """Return the sky with its clouds."""
-    cover, heaven, turn = plate.clouds, plate.heaven, plate.spread[2]
-    low, between = heaven[:, 3].astype(np.int64), heaven[:, 4:5]
+    cover, clear_sky, turn = plate.clouds, plate.clear_sky, plate.spread[2]
+    low, between = clear_sky[:, 3].astype(np.int64), clear_sky[:, 4:5]
     rows = cover.sheet[low] + (cover.sheet[low + 1] - cover.sheet[low]) * between
     column = turn.astype(np.int64)
     right = rows[:, column + 1] - rows[:, column]
     cloud = (rows[:, column] + right * (turn - column)).astype(np.float32)
     share = cloud_share(cloud, cover.edge, cover.floor)
     grey = (cloud * CLOUD_GAIN + cover.shade) * cover.bright
-    blue = heaven[:, :3].T[:, :, None]
+    blue = clear_sky[:, :3].T[:, :, None]
     return np.asarray(blue + (grey[None] * _CLOUD_TINT - blue) * share[None])

@@ -19,7 +19,7 @@ from oodscen_pybullet._rendering.records import LABELS_WIDTH, RECORD_WIDTH, Draw
 from oodscen_pybullet._rendering.shading import gather
 from oodscen_pybullet._rendering.stage import Shot
 from oodscen_pybullet._rendering.triangles import Triangles, textures
-from oodscen_pybullet._rendering.view import FAR, NEAR, CameraView
+from oodscen_pybullet._rendering.view import FAR_M, NEAR_M, CameraView
 from oodscen_pybullet._types import F32, I32, Array, Pose
 
 _CEILING_LAMPS = (0.06, 0.08, 0.995)
@@ -154,7 +154,7 @@ class Rasteriser:
                 continue
             size = width * height + raster.BLOCK
             samples = raster.Samples(
-                np.full(size, 1.0 / FAR, np.float32), np.full(size, -1, np.int32)
+                np.full(size, 1.0 / FAR_M, np.float32), np.full(size, -1, np.int32)
             )
             rows = slice(row, row + 1)
             alone = actors._replace(
@@ -179,7 +179,7 @@ class Rasteriser:
         """Return empty sample buffers, reusing those of the last picture."""
         if self._samples is None or len(self._samples.shown) != size:
             self._samples = raster.Samples(np.empty(size, np.float32), np.empty(size, np.int32))
-        self._samples.nearness.fill(1.0 / FAR)
+        self._samples.nearness.fill(1.0 / FAR_M)
         self._samples.shown.fill(-1)
         return self._samples
 
@@ -200,7 +200,8 @@ def _shutter(
     left, top, width, height = window
     axis = (view.width / 2 - left, view.height / 2 - top)
     camera = np.array(
-        [*view.eye, *view.right, *view.up, *view.forward, view.focal, NEAR, FAR, *axis], np.float64
+        [*view.eye, *view.right, *view.up, *view.forward, view.focal, NEAR_M, FAR_M, *axis],
+        np.float64,
     )
     return raster.Shutter(camera, sun, detail, width, height)
 
@@ -210,9 +211,9 @@ def _window(view: CameraView, place: Array, sphere: F32) -> tuple[int, int, int,
     x, y, z, c, s = place.tolist()
     a, b, d, radius = sphere.astype(np.float64).tolist()
     across, upwards, ahead = view.to_camera((x + c * a - s * b, y + s * a + c * b, z + d))
-    if ahead < NEAR - radius:
+    if ahead < NEAR_M - radius:
         return (0, 0, 0, 0)
-    if ahead < radius + NEAR:
+    if ahead < radius + NEAR_M:
         return (0, 0, view.width, view.height)
     edges = []
     for aside, size in ((across, view.width), (-upwards, view.height)):

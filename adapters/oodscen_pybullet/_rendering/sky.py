@@ -60,7 +60,7 @@ def air_colour(weather: Weather, light: Light) -> Colour:
     )
 
 
-def heaven(view: CameraView, weather: Weather, light: Light) -> F32:
+def clear_sky(view: CameraView, weather: Weather, light: Light) -> F32:
     """Return the sky by rows of pixels: [height, 5] float32.
 
     The columns are red, green and blue of the clear sky, 0 to 255; row of the cloud sheet; weight of the

@@ -10,9 +10,9 @@ from oodscen.protocols import Camera
 from oodscen_pybullet._types import F32, Point
 
 _DEGREE = math.radians(1.0)
-NEAR = 0.2
+NEAR_M = 0.2
 """Distance of the near plane, m."""
-FAR = 420.0
+FAR_M = 420.0
 """Distance of the far plane, m."""
 
 
@@ -87,12 +87,12 @@ class CameraView:
         """
         half = 1.0 if samples_corners else 0.0
         w, h, f = self.width, self.height, self.focal
-        depth = FAR - NEAR
+        depth = FAR_M - NEAR_M
         return [
             2 * f / w, 0.0, 0.0, 0.0,
             0.0, 2 * f / h, 0.0, 0.0,
-            half / w, half / h, -(FAR + NEAR) / depth, -1.0,
-            0.0, 0.0, -2 * FAR * NEAR / depth, 0.0,
+            half / w, half / h, -(FAR_M + NEAR_M) / depth, -1.0,
+            0.0, 0.0, -2 * FAR_M * NEAR_M / depth, 0.0,
         ]  # fmt: skip
 
     def to_camera(self, point: Point) -> Point:
@@ -107,7 +107,7 @@ class CameraView:
     def pixel(self, point: Point) -> tuple[float, float, float] | None:
         """Return column, row and depth of a world point, or `None` if it is behind the camera."""
         across, upwards, ahead = self.to_camera(point)
-        if ahead < NEAR:
+        if ahead < NEAR_M:
             return None
         return (
             self.width / 2 + self.focal * across / ahead,
@@ -125,6 +125,6 @@ class CameraView:
 
 def metres(buffer: F32) -> F32:
     """Convert the renderer's depth buffer to metres along the optical axis, infinity for the sky."""
-    near, far = np.float32(NEAR), np.float32(FAR)
+    near, far = np.float32(NEAR_M), np.float32(FAR_M)
     depth = far * near / (far - (far - near) * buffer)
     return np.where(buffer >= np.float32(0.9999995), np.float32(np.inf), depth).astype(np.float32)

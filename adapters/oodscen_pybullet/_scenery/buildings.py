@@ -10,13 +10,13 @@ from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._meshes.shapes import upright
 from oodscen_pybullet._meshes.tags import Tag, tagged
 
-STOREY = 3.2
+STOREY_M = 3.2
 """Height of one storey of a city block, m."""
-BAY = 6.0
+BAY_M = 6.0
 """Width of one facade tile, m."""
-BLOCK_DEPTH = 12.0
+BLOCK_DEPTH_M = 12.0
 """Depth of a city block, m."""
-HOUSE = (9.0, 8.0)
+HOUSE_M = (9.0, 8.0)
 """Width and depth of a house, m."""
 STYLES = 6
 """Number of facades of city blocks."""
@@ -44,7 +44,7 @@ class _Block(NamedTuple):
     @property
     def top(self) -> float:
         """Height of its walls, m."""
-        return self.floors * STOREY
+        return self.floors * STOREY_M
 
 
 @lru_cache(maxsize=256)
@@ -62,7 +62,7 @@ def city_block(
         is_night: Whether some windows are lit.
     """
     rng = np.random.Generator(np.random.PCG64(9000 + look))
-    block = _Block(width / 2, BLOCK_DEPTH / 2, floors, style, look, has_shop, is_night)
+    block = _Block(width / 2, BLOCK_DEPTH_M / 2, floors, style, look, has_shop, is_night)
     half, depth = block.half, block.depth
     mesh = MeshBuilder()
     _add_front(mesh, block, rng)
@@ -78,15 +78,15 @@ def city_block(
 def _add_front(mesh: MeshBuilder, block: _Block, rng: np.random.Generator) -> None:
     """Add the front tile by tile: a facade or a shop each, with an entrance, awnings and balconies."""
     half, y, look = block.half, -block.depth, block.look
-    bays = round(2 * half / BAY)
+    bays = round(2 * half / BAY_M)
     door = int(rng.integers(0, bays))
     has_balconies = block.floors > 3 and rng.uniform() < 0.45
     for floor in range(block.floors):
-        low, high = floor * STOREY, (floor + 1) * STOREY
+        low, high = floor * STOREY_M, (floor + 1) * STOREY_M
         is_shop = floor == 0 and block.has_shop
         has_entrance = floor == 0 and not block.has_shop
         for bay in range(bays):
-            x0, x1 = -half + bay * BAY, -half + (bay + 1) * BAY
+            x0, x1 = -half + bay * BAY_M, -half + (bay + 1) * BAY_M
             shop = (block.style + look + bay) % 4
             tile = f"shop_{shop}" if is_shop else f"facade_{block.style}"
             mesh.textured_quad(upright((x0, y), (x1, y), low, high), tile)
@@ -95,7 +95,7 @@ def _add_front(mesh: MeshBuilder, block: _Block, rng: np.random.Generator) -> No
             if is_shop and rng.uniform() < 0.6:
                 _add_awning(mesh, x0, x1, y, _AWNINGS[shop])
             if has_entrance and bay == door:
-                _add_entrance(mesh, x0 + BAY / 2, y)
+                _add_entrance(mesh, x0 + BAY_M / 2, y)
             if has_balconies and 0 < floor < block.floors - 1 and bay % 2 == look % 2:
                 _add_balcony(mesh, x0 + 0.5, x1 - 0.5, y, low)
 
@@ -105,7 +105,7 @@ def _add_side(mesh: MeshBuilder, block: _Block, sign: float, rng: np.random.Gene
     x, y = sign * block.half, sign * block.depth
     mesh.polygon(upright((x, -y), (x, y), 0, block.top), _STYLE_WALLS[block.style])
     for floor in range(1, block.floors):
-        z = floor * STOREY
+        z = floor * STOREY_M
         for middle in (-2.6, 2.6):
             out, half_pane = x + sign * 0.02, sign * 0.6
             ends = (out, middle - half_pane), (out, middle + half_pane)
@@ -123,8 +123,8 @@ def _light_windows(
     for left, right in panes:
         is_warm = rng.uniform() < 0.75
         if rng.uniform() < lit_share:
-            start, end = (x0 + left * BAY, y - 0.03), (x0 + right * BAY, y - 0.03)
-            pane = upright(start, end, low + bottom * STOREY, low + top * STOREY)
+            start, end = (x0 + left * BAY_M, y - 0.03), (x0 + right * BAY_M, y - 0.03)
+            pane = upright(start, end, low + bottom * STOREY_M, low + top * STOREY_M)
             mesh.polygon(pane, "lit_window" if is_warm else "lit_window_cool")
 
 
@@ -162,8 +162,8 @@ def _add_roof(mesh: MeshBuilder, half: float, depth: float, top: float, look: in
     elif kind == 1:
         colour = ("roof_grey", "roof_red")[look % 2]
         mesh.hull(low, (-half, half, -depth + 1.4, depth - 1.4, top + 2.6), colour)
-        for index in range(max(1, int(half * 2 / BAY))):
-            x = -half + BAY * (index + 0.5)
+        for index in range(max(1, int(half * 2 / BAY_M))):
+            x = -half + BAY_M * (index + 0.5)
             mesh.box((x, -depth + 0.75, top + 1.2), (1.5, 1.3, 1.6), "wall_white", caps="t")
             y = -depth + 0.08
             mesh.polygon(upright((x - 0.5, y), (x + 0.5, y), top + 0.6, top + 1.8), "glass")
@@ -207,7 +207,7 @@ def _house(kind: int, roof: int, look: int, *, is_night: bool) -> Mesh:
     """
     rng = np.random.Generator(np.random.PCG64(9500 + look))
     mesh = MeshBuilder()
-    half, depth, storey = HOUSE[0] / 2, HOUSE[1] / 2, 2.7
+    half, depth, storey = HOUSE_M[0] / 2, HOUSE_M[1] / 2, 2.7
     floors = 1 if look % 4 == 3 else 2
     wall, tile = _HOUSE_WALLS[kind], f"house_{kind}"
     eaves = floors * storey
@@ -233,7 +233,7 @@ def _house(kind: int, roof: int, look: int, *, is_night: bool) -> Mesh:
 
 def _light_front(mesh: MeshBuilder, floor: int, storey: float, rng: np.random.Generator) -> None:
     """Light some of the two windows of a floor of a house; the lower right one is the door."""
-    width, y, low = HOUSE[0], -HOUSE[1] / 2 - 0.03, floor * storey
+    width, y, low = HOUSE_M[0], -HOUSE_M[1] / 2 - 0.03, floor * storey
     for left, right in ((0.10, 0.36), (0.62, 0.88))[: 1 if floor == 0 else 2]:
         if rng.uniform() < 0.5:
             start, end = (-width / 2 + left * width, y), (-width / 2 + right * width, y)
@@ -273,7 +273,7 @@ def tower(style: int, look: int, *, is_night: bool) -> Mesh:
     mesh = MeshBuilder()
     half = float(rng.uniform(7.0, 13.0))
     floors = int(rng.integers(6, 14))
-    top = floors * STOREY
+    top = floors * STOREY_M
     wall = _STYLE_WALLS[style]
     mesh.hull(
         (-half, half, -half, half, -4),
@@ -283,7 +283,7 @@ def tower(style: int, look: int, *, is_night: bool) -> Mesh:
         cap_colour="roof_grey",
     )
     for floor in range(1, floors):
-        z0, z1, y = floor * STOREY + 0.9, floor * STOREY + 2.5, -half - 0.04
+        z0, z1, y = floor * STOREY_M + 0.9, floor * STOREY_M + 2.5, -half - 0.04
         x = -half + 1.0
         if is_night:
             while x < half - 2.5:

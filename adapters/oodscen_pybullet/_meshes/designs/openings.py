@@ -81,8 +81,8 @@ class FrontDoors(Fitting):
         frame = [(at(0, belt), at(inset, top)), (at(inset, top), at(1, top))]
         frame += [(at(1, top), at(1, belt))]
         for start, end in frame:
-            ends = (_on_side(side, [point])[0] for point in (start, end))
-            mesh.beam(*ends, 0.05, paint)
+            near, far = (_on_side(side, [point])[0] for point in (start, end))
+            mesh.beam(near, far, 0.05, paint)
         edge = _on_side(side, [at(1, (sill + belt) / 2)])[0]
         mesh.box(edge, (0.03, 0.03, belt - sill), "red")
 

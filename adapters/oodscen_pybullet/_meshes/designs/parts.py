@@ -192,11 +192,11 @@ def _(part: shapes.Cylinder, mesh: MeshBuilder, shown: Appearance, place: Placin
 @add.register
 def _(part: shapes.Lathe, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
     sections = zip(itertools.pairwise(part.lathe), part.colours, strict=True)
-    for ((*start, radius), (*end, end_radius)), colour in sections:
-        cap = shown.colour(part.cap_colour or colour)
+    for ((x0, y0, z0, radius), (x1, y1, z1, end_radius)), colour in sections:
         mesh.cylinder(
-            place.point(start), place.point(end), radius, shown.colour(colour),
-            sides=part.sides, end_radius=end_radius, cap_colour=cap,
+            place.point((x0, y0, z0)), place.point((x1, y1, z1)), radius, shown.colour(colour),
+            sides=part.sides, end_radius=end_radius,
+            cap_colour=shown.colour(part.cap_colour or colour),
         )  # fmt: skip
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from oodscen_pybullet._land.ways import Way
 from oodscen_pybullet._scenery import furniture
-from oodscen_pybullet._scenery.buildings import BLOCK_DEPTH, STYLES, city_block, tower
+from oodscen_pybullet._scenery.buildings import BLOCK_DEPTH_M, STYLES, city_block, tower
 from oodscen_pybullet._scenery.placing import RoadsidePlace, Site
 from oodscen_pybullet._scenery.themes.streets import SIDES, add_lamps, add_speed_signs, streets_of
 from oodscen_pybullet._scenery.themes.trees import add_horizon, add_tree
@@ -60,10 +60,10 @@ def _add_blocks(site: Site, way: Way, side: int, is_night: bool) -> None:
         is_placed = False
         while width >= 2 * _BAY_M and not is_placed:
             spot = site.spot(way, s + width / 2, side)
-            out = 1.0 + BLOCK_DEPTH / 2
+            out = 1.0 + BLOCK_DEPTH_M / 2
             x, y = spot.beside(0.0, out)
             is_placed = not site.is_spanned(spot, width / 2 + 8.0) and site.claim(
-                x, y, spot.heading, width / 2 - 0.05, BLOCK_DEPTH / 2, margin=2.3
+                x, y, spot.heading, width / 2 - 0.05, BLOCK_DEPTH_M / 2, margin=2.3
             )
             if is_placed:
                 mesh = city_block(width, floors, style, look, has_shop=has_shop, is_night=is_night)

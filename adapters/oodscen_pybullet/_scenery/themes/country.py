@@ -5,7 +5,7 @@ from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.shapes import ORIGIN
 from oodscen_pybullet._meshes.tags import Tag, tagged
 from oodscen_pybullet._scenery import furniture
-from oodscen_pybullet._scenery.buildings import HOUSE, any_house, barn
+from oodscen_pybullet._scenery.buildings import HOUSE_M, any_house, barn
 from oodscen_pybullet._scenery.placing import RoadsidePlace, Site
 from oodscen_pybullet._scenery.themes.streets import SIDES, add_speed_signs, streets_of
 from oodscen_pybullet._scenery.themes.trees import add_horizon, add_woods
@@ -63,7 +63,7 @@ def _add_farm(site: Site, spot: RoadsidePlace, is_night: bool) -> None:
     x, y = spot.beside(0.0, 24.0)
     if site.is_spanned(spot, 30.0):
         return
-    if site.claim(x, y, spot.heading, HOUSE[0] / 2 + 1, HOUSE[1] / 2 + 1, margin=8.0):
+    if site.claim(x, y, spot.heading, HOUSE_M[0] / 2 + 1, HOUSE_M[1] / 2 + 1, margin=8.0):
         site.stand(any_house(site.rng, is_night=is_night), spot, 0.0, 24.0)
     x, y = spot.beside(19.0, 29.0)
     if site.claim(x, y, spot.heading, 9.5, 5.5, margin=8.0):

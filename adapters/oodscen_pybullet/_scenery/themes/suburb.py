@@ -1,7 +1,7 @@
 """A suburb: houses with gardens."""
 
 from oodscen_pybullet._scenery import furniture
-from oodscen_pybullet._scenery.buildings import HOUSE, any_house
+from oodscen_pybullet._scenery.buildings import HOUSE_M, any_house
 from oodscen_pybullet._scenery.placing import RoadsidePlace, Site
 from oodscen_pybullet._scenery.themes.streets import SIDES, add_lamps, add_speed_signs, streets_of
 from oodscen_pybullet._scenery.themes.trees import add_horizon, add_tree
@@ -24,7 +24,7 @@ def furnish_suburb(site: Site, is_night: bool) -> None:
             for spot in site.spots(way, side, 21.0, jitter=5.0):
                 mesh = any_house(site.rng, is_night=is_night)
                 x, y = spot.beside(0.0, 36.0)
-                if site.claim(x, y, spot.heading, HOUSE[0] / 2, HOUSE[1] / 2, margin=8.0):
+                if site.claim(x, y, spot.heading, HOUSE_M[0] / 2, HOUSE_M[1] / 2, margin=8.0):
                     turned = (-spot.heading[0], -spot.heading[1])
                     site.stand(mesh, spot, 0.0, 36.0, turned)
                 add_tree(site, spot, 9.0, 24.0 + 6.0 * float(site.rng.uniform()), 6.0)
@@ -34,13 +34,13 @@ def furnish_suburb(site: Site, is_night: bool) -> None:
 def _add_home(site: Site, spot: RoadsidePlace, is_night: bool) -> None:
     """Add a house with its garden."""
     rng = site.rng
-    setback = 5.0 + float(rng.uniform(0, 1.6)) + HOUSE[1] / 2
+    setback = 5.0 + float(rng.uniform(0, 1.6)) + HOUSE_M[1] / 2
     mesh = any_house(site.rng, is_night=is_night)
     style, has_car, paint = int(rng.integers(0, 4)), rng.uniform() < 0.4, int(rng.integers(0, 7))
     x, y = spot.beside(0.0, setback)
     if site.is_spanned(spot):
         return
-    if not site.claim(x, y, spot.heading, HOUSE[0] / 2 + 0.3, HOUSE[1] / 2 + 0.3, margin=6.0):
+    if not site.claim(x, y, spot.heading, HOUSE_M[0] / 2 + 0.3, HOUSE_M[1] / 2 + 0.3, margin=6.0):
         return
     site.stand(mesh, spot, 0.0, setback)
     if site.is_far(spot):

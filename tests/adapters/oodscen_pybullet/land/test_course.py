@@ -1,5 +1,7 @@
 """Courses of a straight road and of one with a bend."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -73,3 +75,15 @@ def test_structures_begin_and_end_at_samples(shipped) -> None:
     for structure in corridor.structures:
         for end in (structure.start, structure.end):
             assert not course.s[0] < end < course.s[-1] or end in course.s
+
+
+@given(st.integers(10, 470))
+def test_a_lane_that_ends_at_once_on_a_fast_road_ends_between_two_samples(row) -> None:
+    straight = road(speed_limit=30.0)
+    flat = np.zeros(len(straight.s))
+    exit_lane = LaneStrip(
+        "driving", 1, flat - 7.0, np.where(np.arange(481) < row, -3.5, -7.0), "none"
+    )
+    corridor = replace(straight, strips=(exit_lane, *straight.strips))
+    course = RoadCourse.between(corridor, 0.0, LENGTH_M)
+    assert {straight.s[row - 1], straight.s[row]} <= set(course.s.tolist())

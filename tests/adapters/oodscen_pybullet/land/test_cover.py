@@ -1,7 +1,7 @@
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from oodscen_pybullet._land.cover import REACH, Cover, band_triangles
+from oodscen_pybullet._land.cover import REACH_M, Cover, band_triangles
 
 numbers = st.floats(-12.0, 12.0).map(lambda x: round(x, 2))
 corners = st.lists(st.tuples(*[numbers] * 6), min_size=1, max_size=8).map(
@@ -13,7 +13,7 @@ points = st.lists(st.tuples(numbers, numbers), min_size=1, max_size=8).map(
 
 
 def distance(x: float, y: float, triangles: np.ndarray) -> float:
-    best = REACH
+    best = REACH_M
     for triangle in triangles:
         (ax, ay), (bx, by), (cx, cy) = triangle
         turn = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
@@ -47,8 +47,8 @@ def test_points_are_on_a_band_exactly_between_its_edges(at: np.ndarray) -> None:
     found = Cover(band).distance(at[:, 0], at[:, 1])
     outside = np.maximum(-2.0 - at[:, 1], at[:, 1] - 3.0)
     assert ((found > 0.0) == (outside > 0.0)).all()
-    assert np.allclose(found[outside > 0.0], np.minimum(outside[outside > 0.0], REACH))
+    assert np.allclose(found[outside > 0.0], np.minimum(outside[outside > 0.0], REACH_M))
 
 
 def test_nothing_covers_nothing() -> None:
-    assert Cover(np.zeros((0, 3, 2))).distance(np.zeros(2), np.ones(2)).tolist() == [REACH] * 2
+    assert Cover(np.zeros((0, 3, 2))).distance(np.zeros(2), np.ones(2)).tolist() == [REACH_M] * 2

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from oodscen_pybullet._lighting.light import Light
-from oodscen_pybullet._rendering.sky import cloud_columns, cloud_sheet, heaven
+from oodscen_pybullet._rendering.sky import clear_sky, cloud_columns, cloud_sheet
 from oodscen_pybullet._rendering.view import CameraView
 
 from oodscen.data._scene import Weather
@@ -38,8 +38,8 @@ def test_rain_and_snow_dim_the_view_the_more_the_harder_they_fall() -> None:
 
 
 def test_skies_are_bright_by_day_and_dark_by_night_and_bluest_above() -> None:
-    day = heaven(VIEW, Weather(), DAY)
-    night = heaven(VIEW, Weather(sun_elevation_deg=-20.0), NIGHT)
+    day = clear_sky(VIEW, Weather(), DAY)
+    night = clear_sky(VIEW, Weather(sun_elevation_deg=-20.0), NIGHT)
     assert day.shape == (120, 5)
     assert day[:60, :3].min() > 60.0 > night[:60, :3].max()
     assert (np.diff(day[:50, 2] - day[:50, 0]) <= 0.0).all()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from oodscen_pybullet._rendering.view import FAR, NEAR, CameraView, metres
+from oodscen_pybullet._rendering.view import FAR_M, NEAR_M, CameraView, metres
 
 from oodscen.protocols import Camera
 
@@ -51,9 +51,9 @@ def test_what_is_behind_has_no_pixel() -> None:
     assert spot[2] == pytest.approx(10.0, abs=0.1)
 
 
-@given(st.floats(NEAR * 1.01, FAR * 0.6))
+@given(st.floats(NEAR_M * 1.01, FAR_M * 0.6))
 def test_depth_is_linear_again(depth: float) -> None:
-    stored = np.float32((FAR - FAR * NEAR / depth) / (FAR - NEAR))
+    stored = np.float32((FAR_M - FAR_M * NEAR_M / depth) / (FAR_M - NEAR_M))
     assert metres(np.array([stored]))[0] == pytest.approx(depth, rel=2e-2)
 
 

@@ -1,0 +1,56 @@
+"""Repairs and manhole covers on a straight road along x, whose lane lies right of y = 0."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from oodscen_pybullet._land.ground import Ground
+from oodscen_pybullet._land.repairs import add_repairs_and_manholes
+from oodscen_pybullet._land.ribbons import Ribbons
+from oodscen_pybullet._meshes.atlas import swatch_uv
+
+from oodscen.driving._roads.corridor import Corridor, LaneStrip, Structure
+
+S = np.linspace(0.0, 900.0, 901)
+FLAT = np.zeros(len(S))
+
+
+def repaired(width: float, seed: int, *, speed_limit: float = 14.0, structures=()):
+    """Return the mesh of the repairs."""
+    road = Corridor(
+        s=S, x=S, y=FLAT, z=FLAT, cos=FLAT + 1.0, sin=FLAT, curvature=FLAT,
+        strips=(LaneStrip("driving", 1, FLAT - width, FLAT, "solid"),), start=60.0,
+        speed_limit=speed_limit,
+    )  # fmt: skip
+    way = Ground(replace(road, structures=structures)).ego
+    ribbons = Ribbons(way.course)
+    add_repairs_and_manholes(way, ribbons, np.random.default_rng(seed))
+    return ribbons.mesh()
+
+
+@given(st.floats(2.51, 6.0), st.integers(0, 99))
+def test_repairs_and_covers_lie_in_their_lane(width: float, seed: int) -> None:
+    mesh = repaired(width, seed)
+    assert len(mesh.triangles) > 0
+    low, high = mesh.bounds
+    assert -width < low[1] < high[1] < 0.0
+    assert 0.0 < low[2] < high[2] < 0.01
+
+
+def test_a_narrow_lane_has_none() -> None:
+    assert all(len(repaired(2.4, seed).triangles) == 0 for seed in range(5))
+
+
+@given(st.integers(0, 99))
+def test_none_begins_in_a_tunnel_or_reaches_into_it(seed: int) -> None:
+    tunnel = Structure("tunnel", 100.0, 300.0)
+    x = repaired(3.5, seed, structures=(tunnel,)).vertices[:, 0]
+    assert not ((x > tunnel.start) & (x < tunnel.end)).any()
+
+
+@pytest.mark.parametrize(("speed_limit", "has_covers"), [(14.0, True), (20.0, False)])
+def test_fast_roads_have_no_manholes(speed_limit: float, has_covers: bool) -> None:
+    uvs = np.concatenate([repaired(3.5, seed, speed_limit=speed_limit).uvs for seed in range(5)])
+    assert bool((uvs == swatch_uv("asphalt_light")).all(axis=1).any()) == has_covers
