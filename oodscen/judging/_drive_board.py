@@ -17,9 +17,14 @@ from oodscen.data._scene import Scene
 from oodscen.judging._items import last_by
 from oodscen.judging._leaderboard.rows import Estimate
 from oodscen.judging._rates_in_words import bracketed, lead, percent
-from oodscen.statistics._intervals import FEWEST_CLUSTERS, Interval, percentiles, share_bounds
+from oodscen.statistics._intervals import (
+    FEWEST_CLUSTERS,
+    Interval,
+    cluster_interval,
+    share_interval,
+)
 from oodscen.statistics._resampling import Resampler
-from oodscen.statistics._significance import PairedTest, paired
+from oodscen.statistics._significance import PairedTest, paired_test
 
 RULE_BASED = "rule-based"
 """Name of the built-in driver that the others are compared with."""
@@ -288,7 +293,7 @@ class _Sums:
         common = [scene for scene in scenes if scene.scene_id in yardstick]
         if not common:
             return None
-        return paired(
+        return paired_test(
             np.array([sound[result.scene_id] for result in common], np.float64),
             np.array([yardstick[result.scene_id] for result in common], np.float64),
             [path_of(result, self._paths) for result in common],
@@ -307,7 +312,7 @@ class _Sums:
             hits=hits,
             n=len(values),
             value=round(hits / len(values), 6),
-            interval=share_bounds(hits, len(values), units, replicates),
+            interval=share_interval(hits, len(values), units, replicates),
         )
 
     def mean(
@@ -318,7 +323,7 @@ class _Sums:
             return Estimate()
         values = np.array([value for _, value in known], np.float64)
         replicates, units = self._resampled([result for result, _ in known], values)
-        interval = None if replicates is None else percentiles(replicates, units)
+        interval = None if replicates is None else cluster_interval(replicates, units)
         return Estimate(value=round(float(values.mean()), 6), n=len(values), interval=interval)
 
     def _resampled(

@@ -14,7 +14,7 @@ from oodscen.judging._leaderboard.rows import (
     Task,
     best_floor,
 )
-from oodscen.statistics._significance import holm, paired
+from oodscen.statistics._significance import holm, paired_test
 
 
 def comparisons(
@@ -55,13 +55,13 @@ def _family(
         one, two = sheet.right(task, items), other.right(task, items)
         unlike = sheet.scored_unlike(other) & (task == "open")
         one = np.where(unlike, np.nan, one)
-        test = paired(one, two, items.clusters, seed=seed)
+        test = paired_test(one, two, items.clusters, seed=seed)
         if not test.n:
             continue
         silent = sheet.unanswered(task, items) & ~unlike
         tests.append((first.model, second.model, test, int(silent.sum())))
         filled = np.where(silent, 0.0, one)
-        worst.append(paired(filled, two, items.clusters, seed=seed) if silent.any() else test)
+        worst.append(paired_test(filled, two, items.clusters, seed=seed) if silent.any() else test)
     plain = holm([test.p_mcnemar for _, _, test, _ in tests])
     clustered = holm([test.p_clustered for _, _, test, _ in tests])
     at_worst = holm([test.p_clustered for test in worst])
