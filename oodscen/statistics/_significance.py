@@ -152,7 +152,7 @@ def permutation_test(
 def _cluster_sums(values: Floats, clusters: Sequence[str] | None) -> tuple[Floats, Floats]:
     """Return the sums and the sizes of clusters of [n] values, in ascending order."""
     numbers = cluster_numbers(len(values), clusters)
-    sums = np.bincount(numbers, weights=values)
+    sums = np.bincount(numbers, weights=values).astype(np.float64)
     sizes = np.bincount(numbers).astype(np.float64)
     order = np.lexsort((sizes, sums))
     return sums[order], sizes[order]
