@@ -14,8 +14,8 @@ from oodscen._members import close, working
 from oodscen._numbers import seed_number
 from oodscen.data._scene import Scene
 from oodscen.driving._base_simulator import render_checked
+from oodscen.driving._checked_simulator import checked_simulator
 from oodscen.driving._motion.triggers import ROUNDING_S
-from oodscen.driving._states import watched
 from oodscen.errors import SimulatorError, UnknownComponent, UsageError
 from oodscen.gymnasium._acting import ActionDecoder
 from oodscen.gymnasium._driver_policy import DriverPolicy
@@ -95,7 +95,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         self.render_mode = render_mode
         self.reward = Reward.of(reward or {})
         chosen, self.simulator, study_seed = chosen_scenes(study, scenes, simulator)
-        self._watched = watched(self.simulator)
+        self._checked_simulator = checked_simulator(self.simulator)
         self._seed = study_seed if seed is None else seed_number(seed)
         self._scenes = SceneSet(chosen, twins=twins)
         self.scene_ids = self._scenes.ids
@@ -162,7 +162,9 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         self._is_over = True
         prepared = self._prepare(str(name))
         with working("simulator", self.simulator.name):
-            episode = self._episode = RunningScene.begin(prepared, self._watched, self._seed)
+            episode = self._episode = RunningScene.begin(
+                prepared, self._checked_simulator, self._seed
+            )
         self._decoder = ActionDecoder(self.interface.actions)
         self.episode += 1
         if episode.is_lost:
@@ -270,7 +272,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
             scene, is_twin = self._scenes.find(name)
             with working("simulator", self.simulator.name):
                 self._prepared[name] = PreparedScene.of(
-                    scene, self._watched, self._seed, is_twin=is_twin
+                    scene, self._checked_simulator, self._seed, is_twin=is_twin
                 )
         return self._prepared[name]
 
