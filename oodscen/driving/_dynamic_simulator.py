@@ -51,8 +51,6 @@ class DynamicSimulator(BaseSimulator):
         super().__init__()
         self._staged: StagedScene | None = None
 
-    # ------------------------------------------------------------------ for the adapter
-
     @abstractmethod
     def begin(self, staged: StagedScene, seed: int) -> None:
         """Clear everything and build the scene: road, weather, and every body of `staged.bodies`.
@@ -86,8 +84,6 @@ class DynamicSimulator(BaseSimulator):
 
     def triggered(self, body: StagedBody) -> None:
         """Start the behaviour of an actor whose trigger has just fired; called once per actor and run."""
-
-    # ------------------------------------------------------------------ the protocol
 
     @property
     def staged(self) -> StagedScene:
@@ -144,8 +140,6 @@ class DynamicSimulator(BaseSimulator):
         """Release all resources; may be called twice."""
         self._staged = None
         super().close()
-
-    # ------------------------------------------------------------------ internals
 
     def _fire(self, world: KinematicWorld, before: float) -> None:
         """Tell the adapter about the triggers that have fired after a time."""

@@ -46,8 +46,6 @@ class MirrorSimulator(BaseSimulator):
         super().__init__()
         self._measured: NDArray[np.float64] | None = None
 
-    # ------------------------------------------------------------------ for the adapter
-
     @abstractmethod
     def load(self, corridor: Corridor, scene: Scene, seed: int) -> None:
         """Clear everything and build the static world: ground, road, scenery, light and weather.
@@ -92,8 +90,6 @@ class MirrorSimulator(BaseSimulator):
         """
         assert self._measured is not None, "called in reset, step and restore only"
         return [float(self._measured[row]) for row in rows]
-
-    # ------------------------------------------------------------------ the protocol
 
     def reset(self, scene: Scene, seed: int) -> State:
         """Load a scene. The same scene and seed give the same bytes, whatever ran before.
@@ -161,8 +157,6 @@ class MirrorSimulator(BaseSimulator):
         """Release all resources; may be called twice."""
         self._measured = None
         super().close()
-
-    # ------------------------------------------------------------------ internals
 
     def _publish(self) -> State:
         world = self.world

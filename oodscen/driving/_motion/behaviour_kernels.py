@@ -128,9 +128,6 @@ def stand_in_world(w: Situation, i: int) -> None:
     w.state[i, col.HEADING] = quantised(wrapped(w.state[i, col.YAW] - heading(w.track, s)))
 
 
-# ------------------------------------------------------------------ in the lane
-
-
 @part
 def _drive(w: Situation, i: int, code: int, waited: float) -> None:
     traits = w.traits
@@ -256,9 +253,6 @@ def _turn_round(w: Situation, i: int) -> None:
     move(w, i, speed_up(w, i, 2.0, speed))
 
 
-# ------------------------------------------------------------------ on foot and in the wind
-
-
 @part
 def _walk(w: Situation, i: int, code: int, waited: float) -> None:
     """Move along the actor's own heading once triggered."""
@@ -360,9 +354,6 @@ def _blow(w: Situation, i: int, waited: float) -> None:
     state[i, col.S] = quantised(state[i, col.S] - sway * sine)
     state[i, col.T] = quantised(state[i, col.T] + sway * cosine)
     state[i, col.LIFT] = quantised(w.traits[i, col.FLIGHT] * 0.5 * (1.0 - cos(phase)))
-
-
-# ------------------------------------------------------------------ in world coordinates
 
 
 @part

@@ -35,9 +35,6 @@ def grip(w: Situation) -> float:
     return _USED * w.friction * GRAVITY
 
 
-# ------------------------------------------------------------------ motion
-
-
 @part
 def move(w: Situation, i: int, distance: float) -> None:
     """Move along the actor's own heading relative to the road."""
@@ -116,9 +113,6 @@ def sideways_duration(w: Situation, shift: float, duration: float) -> float:
 def since(w: Situation, i: int, time: float) -> float:
     """Return the time since the trigger fired, s; negative before."""
     return time - w.state[i, col.TRIGGERED] if w.state[i, col.TRIGGERED] >= 0.0 else -1.0
-
-
-# ------------------------------------------------------------------ attention
 
 
 @part

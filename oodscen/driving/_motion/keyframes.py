@@ -262,9 +262,6 @@ def _turned_to(w: Situation, i: int, dx: float, dy: float, far: float) -> float:
     return course
 
 
-# ------------------------------------------------------------------ compiling
-
-
 def key_table(motions: Sequence[Motion], bodies: int) -> tuple[list[list[float]], dict[str, int]]:
     """Return the rows of `Situation.traits` below the bodies, and the first row of each motion by its id."""
     rows: list[list[float]] = []

@@ -123,8 +123,6 @@ class KinematicWorld(Brief):
         see_paths(self._situation)
         pull_triggers(self._situation, 0.0)
 
-    # ------------------------------------------------------------------ published state
-
     @property
     def time(self) -> float:
         """Seconds since the start."""
@@ -238,8 +236,6 @@ class KinematicWorld(Brief):
             return self._rows[body]
         except (KeyError, TypeError):
             raise UnknownComponent("body", str(body), self.ids) from None
-
-    # ------------------------------------------------------------------ motion
 
     def step(self, control: Control) -> None:
         """Advance by one `dt`."""

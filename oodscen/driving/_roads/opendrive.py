@@ -261,9 +261,6 @@ def _contact(node: XmlNode) -> Contact:
     return "end"
 
 
-# ---------------------------------------------------------------------- lanes
-
-
 def _sections(lanes: XmlNode, length: float) -> list[LaneSection]:
     sections: list[LaneSection] = []
     nodes = lanes.all("laneSection")
@@ -327,9 +324,6 @@ def _lane(node: XmlNode, sign: int, length: float) -> Lane | None:
         successor=after.lane_id() if after else None,
         reversed=node.get("direction") == "reversed",
     )
-
-
-# ---------------------------------------------------------------------- junctions
 
 
 def _junction(node: XmlNode) -> Junction:
