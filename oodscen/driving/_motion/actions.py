@@ -10,7 +10,7 @@ from oodscen._display import Brief
 from oodscen._numbers import finite_number
 from oodscen.data._episode import LONGEST_REACTION_S
 from oodscen.driving._motion.bodies import GRAVITY, MAX_STEERING
-from oodscen.driving._motion.car_following import PEAK
+from oodscen.driving._motion.lane_keeping import PEAK
 from oodscen.driving._motion.triggers import ROUNDING_S
 from oodscen.errors import UnknownComponent
 from oodscen.numerics._exact import asin, atan, power, sin, tan
