@@ -61,8 +61,8 @@ def curve_speed(w: Situation, i: int, grip: float) -> float:
     square, last = 1e6, rows.shape[0] - 1
     for k in range(_SAMPLES):
         ahead = reach * k / (_SAMPLES - 1.0)
-        place = (s + w.codes[i, col.DIRECTION] * ahead) / step
-        turn = rows[min(max(int(place + 0.5), 0), last), 5]
+        position = (s + w.codes[i, col.DIRECTION] * ahead) / step
+        turn = rows[min(max(int(position + 0.5), 0), last), 5]
         if abs(turn) > 1e-5:
             turn = abs(turn / max(0.2, 1.0 - turn * t))
             square = min(square, along / turn + 2.0 * braking * max(0.0, ahead - 5.0))
