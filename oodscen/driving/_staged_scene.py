@@ -111,17 +111,29 @@ class StagedScene(Brief):
         return lane_centrelines(self.corridor)
 
     def places(self, poses: Floats) -> Floats:
-        """Return s along the corridor and t to its left of every body, m: [n, 2]."""
+        """Return s along the corridor and t to its left of every body, m: [n, 2].
+
+        Raises:
+            UsageError: If the poses have another shape, or are not finite.
+        """
         places = self._at(poses).state().places
         assert places is not None, "the kinematic world measures them"
         return places
 
     def gaps(self, poses: Floats) -> Floats:
-        """Return the gaps between the ego's box and the others', as in `State.gaps`: [n], m."""
+        """Return the gaps between the ego's box and the others', as in `State.gaps`: [n], m.
+
+        Raises:
+            UsageError: If the poses have another shape, or are not finite.
+        """
         return self._at(poses).state().gaps
 
     def off_road(self, poses: Floats) -> bool:
-        """Return whether any part of the ego's footprint is beside the drivable road."""
+        """Return whether any part of the ego's footprint is beside the drivable road.
+
+        Raises:
+            UsageError: If the poses have another shape, or are not finite.
+        """
         return self._at(poses).is_off_road()
 
     @checked
@@ -164,18 +176,26 @@ class StagedScene(Brief):
         Raises:
             UsageError: If the poses have another shape, or are not finite.
         """
-        try:
-            all_poses = with_heights(poses, len(self.ids))
-        except (TypeError, ValueError) as error:
-            raise UsageError(f"draw() takes the poses of all bodies, not {error}") from None
+        all_poses = self._with_heights(poses)
         assets = [body.asset for body in self.bodies]
         return flat_frame(camera, self.corridor, weather or self.scene.weather, assets, all_poses)
 
     def _at(self, poses: Floats) -> KinematicWorld:
         """Return the world with all bodies standing at poses."""
-        all_poses = with_heights(poses, len(self.ids))
+        all_poses = self._with_heights(poses)
         self._world.set_poses(all_poses, np.zeros(len(all_poses)))
         return self._world
+
+    def _with_heights(self, poses: Floats) -> Floats:
+        """Return the caller's poses with z.
+
+        Raises:
+            UsageError: If they have another shape, or are not finite.
+        """
+        try:
+            return with_heights(poses, len(self.ids))
+        except (TypeError, ValueError, OverflowError) as error:
+            raise UsageError(f"poses must be those of all bodies, not {error}") from None
 
     def _body(self, row: int) -> StagedBody:
         """Return the body in a row, as the world has it now."""

@@ -297,7 +297,12 @@ class KinematicWorld(Brief):
             action: Id of a discrete action.
             variation: The driver's reaction time, the road's friction and the ego's speed.
             seconds: Time for which the action is watched, s.
+
+        Raises:
+            UnknownComponent: If there is no such action.
         """
+        if action not in actions.CODES:
+            raise UnknownComponent("action", str(action), actions.CODES)
         start = self._state.copy()
         line = self.scene.stop_line
         begins_s = (
