@@ -58,11 +58,9 @@ class Resampler:
         replicates: int = REPLICATES,
         purpose: str = "clusters",
     ) -> None:
-        self.is_clustered = not isinstance(clusters, int)
-        if isinstance(clusters, int):
-            self.cluster = cluster_numbers(clusters, None)
-        else:
-            self.cluster = cluster_numbers(len(clusters), clusters)
+        n, labels = (clusters, None) if isinstance(clusters, int) else (len(clusters), clusters)
+        self.is_clustered = labels is not None
+        self.cluster = cluster_numbers(n, labels)
         """[n], the cluster's number of every item."""
         self.units = int(self.cluster.max(initial=-1)) + 1
         self._replicates = replicates
