@@ -42,8 +42,6 @@ class BaseSimulator(Brief, ABC):
         self._world: KinematicWorld | None = None
         self._state: State | None = None
 
-    # ------------------------------------------------------------------ for the adapter
-
     @abstractmethod
     def catalogue(self) -> Catalogue:
         """Return the simulator's vocabulary: static, cheap to call again, without starting anything."""
@@ -57,8 +55,6 @@ class BaseSimulator(Brief, ABC):
 
     def release(self) -> None:
         """Release all resources; a later `reset` may acquire them again. May be called twice."""
-
-    # ------------------------------------------------------------------ the protocol
 
     @property
     def world(self) -> KinematicWorld:
@@ -114,8 +110,6 @@ class BaseSimulator(Brief, ABC):
 
     def __exit__(self, *error: object) -> None:
         self.close()
-
-    # ------------------------------------------------------------------ internals
 
     def _opened(self, scene: Scene) -> tuple[Corridor, Catalogue]:
         """Forget the last scene, and return the road and the catalogue of one that can be staged."""

@@ -16,7 +16,8 @@ from oodscen.driving._staged_scene import StagedBody, StagedScene, with_heights
 from oodscen.errors import SimulatorError
 from oodscen.protocols import Control, Observation, State
 
-_FASTEST = 1e4
+_FASTEST_MPS = 1e4
+"""Greatest speed that a body can have, m/s."""
 
 
 class DynamicSimulator(BaseSimulator):
@@ -51,8 +52,6 @@ class DynamicSimulator(BaseSimulator):
         super().__init__()
         self._staged: StagedScene | None = None
 
-    # ------------------------------------------------------------------ for the adapter
-
     @abstractmethod
     def begin(self, staged: StagedScene, seed: int) -> None:
         """Clear everything and build the scene: road, weather, and every body of `staged.bodies`.
@@ -86,8 +85,6 @@ class DynamicSimulator(BaseSimulator):
 
     def triggered(self, body: StagedBody) -> None:
         """Start the behaviour of an actor whose trigger has just fired; called once per actor and run."""
-
-    # ------------------------------------------------------------------ the protocol
 
     @property
     def staged(self) -> StagedScene:
@@ -145,8 +142,6 @@ class DynamicSimulator(BaseSimulator):
         self._staged = None
         super().close()
 
-    # ------------------------------------------------------------------ internals
-
     def _fire(self, world: KinematicWorld, before: float) -> None:
         """Tell the adapter about the triggers that have fired after a time."""
         for body in self.staged.bodies[1:]:
@@ -162,13 +157,14 @@ class DynamicSimulator(BaseSimulator):
         """
         count = len(self.staged.ids)
         try:
-            given, along = self.bodies()
-            poses, speeds = with_heights(given, count), np.asarray(along, dtype=np.float64)
-        except (TypeError, ValueError) as error:
+            poses, speeds = self.bodies()
+            poses = with_heights(poses, count)
+            speeds = np.asarray(speeds, dtype=np.float64)
+        except (TypeError, ValueError, OverflowError) as error:
             raise SimulatorError(f"{self.name}: bodies() returned {error}") from error
-        if speeds.shape != (count,) or not (np.abs(speeds) <= _FASTEST).all():
+        if speeds.shape != (count,) or not (np.abs(speeds) <= _FASTEST_MPS).all():
             raise SimulatorError(
-                f"{self.name}: bodies() returned speeds that are not {count} numbers up to {_FASTEST:g} m/s"
+                f"{self.name}: bodies() returned speeds that are not {count} numbers up to {_FASTEST_MPS:g} m/s"
             )
         return _rounded(poses), _rounded(speeds)
 

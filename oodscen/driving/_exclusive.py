@@ -19,11 +19,11 @@ def exclusive(simulator: Simulator) -> Iterator[None]:
     Raises:
         UsageError: When another thread uses it.
     """
-    me, its = threading.get_ident(), id(simulator)
+    thread, key = threading.get_ident(), id(simulator)
     with _lock:
-        is_free = its not in _users
-        user = _users.setdefault(its, me)
-    if user != me:
+        is_free = key not in _users
+        user = _users.setdefault(key, thread)
+    if user != thread:
         raise UsageError(
             f"the simulator {simulator.name!r} runs a scene in another thread; give each thread a simulator of its own"
         )
@@ -31,4 +31,4 @@ def exclusive(simulator: Simulator) -> Iterator[None]:
         yield
     finally:
         if is_free:  # Otherwise an outer use of this thread goes on.
-            del _users[its]
+            del _users[key]

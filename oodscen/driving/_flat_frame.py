@@ -219,7 +219,9 @@ def _window(eye: Eye, body: UprightBox) -> tuple[slice, slice] | None:
     camera = eye.camera
     left, right = max(0, math.floor(min(us))), min(camera.width, math.ceil(max(us)) + 1)
     top, bottom = max(0, math.floor(min(vs))), min(camera.height, math.ceil(max(vs)) + 1)
-    return (slice(top, bottom), slice(left, right)) if left < right and top < bottom else None
+    if left >= right or top >= bottom:
+        return None
+    return slice(top, bottom), slice(left, right)
 
 
 def _locate(
@@ -282,8 +284,8 @@ def _hits(
     face = np.zeros(ray_x.shape, dtype=np.intp)
     for axis in range(3):
         ray = np.where(np.abs(rays[axis]) < _PARALLEL, _PARALLEL, rays[axis])
-        one, two = (-halves[axis] - start[axis]) / ray, (halves[axis] - start[axis]) / ray
-        near, far = np.minimum(one, two), np.maximum(one, two)
+        low, high = (-halves[axis] - start[axis]) / ray, (halves[axis] - start[axis]) / ray
+        near, far = np.minimum(low, high), np.maximum(low, high)
         face = np.where(near > enter, axis, face)
         enter, leave = np.maximum(enter, near), np.minimum(leave, far)
     is_hit = (enter <= leave) & (enter > NEAR_M)

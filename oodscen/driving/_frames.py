@@ -54,13 +54,24 @@ def own_frame(frame: Frame, camera: Camera, bodies: int, method: str) -> Frame:
 
 
 def _check(
-    said: str, value: Any, kind: Any, shape: tuple[int, ...], wanted: type[np.generic]
+    subject: str, value: Any, kind: Any, shape: tuple[int, ...], copied_to: type[np.generic]
 ) -> None:
-    """Refuse anything but an array of a kind of numbers and a shape."""
-    is_array = isinstance(value, np.ndarray)
+    """Refuse anything but an array of a kind of numbers and a shape.
+
+    Args:
+        subject: The beginning of the message.
+        value: The array.
+        kind: A type of numpy or an abstract one, such as `np.integer`.
+        shape: Its shape.
+        copied_to: The type that is promised, for the message.
+
+    Raises:
+        SimulatorError: If it is something else.
+    """
+    expected = f"{np.dtype(copied_to)} {shape}"
+    if not isinstance(value, np.ndarray):
+        raise SimulatorError(f"{subject}: a {type(value).__name__}, not {expected}")
     # numpy counts time spans among the integers.
-    is_number = is_array and value.dtype.kind != "m" and np.issubdtype(value.dtype, kind)
-    if is_number and value.shape == shape:
-        return
-    found = f"{value.dtype} {value.shape}" if is_array else f"a {type(value).__name__}"
-    raise SimulatorError(f"{said}: {found}, not {np.dtype(wanted)} {shape}")
+    is_of_kind = value.dtype.kind != "m" and np.issubdtype(value.dtype, kind)
+    if not is_of_kind or value.shape != shape:
+        raise SimulatorError(f"{subject}: {value.dtype} {value.shape}, not {expected}")

@@ -44,9 +44,7 @@ class MirrorSimulator(BaseSimulator):
 
     def __init__(self) -> None:
         super().__init__()
-        self._measured: NDArray[np.float64] | None = None
-
-    # ------------------------------------------------------------------ for the adapter
+        self._box_gaps: NDArray[np.float64] | None = None
 
     @abstractmethod
     def load(self, corridor: Corridor, scene: Scene, seed: int) -> None:
@@ -90,10 +88,8 @@ class MirrorSimulator(BaseSimulator):
         The catalogue's boxes decide contact, as well as time to collision and all other measures. Override this method
         only to let the simulator's own engine measure the gaps.
         """
-        assert self._measured is not None, "called in reset, step and restore only"
-        return [float(self._measured[row]) for row in rows]
-
-    # ------------------------------------------------------------------ the protocol
+        assert self._box_gaps is not None, "called in reset, step and restore only"
+        return [float(self._box_gaps[row]) for row in rows]
 
     def reset(self, scene: Scene, seed: int) -> State:
         """Load a scene. The same scene and seed give the same bytes, whatever ran before.
@@ -102,7 +98,7 @@ class MirrorSimulator(BaseSimulator):
             SceneError: If the catalogue or the road refuses the scene.
             SpawnError: If an actor cannot be placed.
         """
-        self._measured = None
+        self._box_gaps = None
         corridor, catalogue = self._opened(scene)
         world = KinematicWorld(corridor, scene, catalogue, seed, dt=self.dt)
         self.load(corridor, scene, seed)
@@ -159,22 +155,20 @@ class MirrorSimulator(BaseSimulator):
 
     def close(self) -> None:
         """Release all resources; may be called twice."""
-        self._measured = None
+        self._box_gaps = None
         super().close()
 
-    # ------------------------------------------------------------------ internals
-
     def _publish(self) -> State:
+        """Show the bodies where the world has them, and return its state with the gaps that the engine measures."""
         world = self.world
         state, apart = world.publish()
         self.place(state.poses.copy(), state.speeds.copy())  # It may work in its arrays.
-        gaps = self._measured = state.gaps
-        near = np.flatnonzero((apart <= NEAR_M) & (gaps > 0.0) & np.isfinite(gaps)).tolist()
-        if near and world.scene.motions:
-            tilted = world.tilts()
-            near = [row for row in near if row not in tilted]
-        if near:
-            for row, distance in zip(near, self._engine_gaps(near), strict=True):
+        gaps = self._box_gaps = state.gaps
+        is_near = (apart <= NEAR_M) & (gaps > 0.0) & np.isfinite(gaps)
+        tilted = world.tilts() if world.scene.motions else {}
+        rows = [row for row in np.flatnonzero(is_near).tolist() if row not in tilted]
+        if rows:
+            for row, distance in zip(rows, self._engine_gaps(rows), strict=True):
                 gaps[row] = max(LEAST_M, round(distance, 4))
         return self._keep_state(state)
 
@@ -185,14 +179,14 @@ class MirrorSimulator(BaseSimulator):
             SimulatorError: If it is not one distance per row, or bodies whose boxes do not touch are deep in
                 each other.
         """
-        found = self.gaps(rows)
+        gaps = self.gaps(rows)
         try:
-            distances = [float(one) for one in found]
-        except (TypeError, ValueError):
+            distances = [float(gap) for gap in gaps]
+        except (TypeError, ValueError, OverflowError):
             distances = []
         if len(distances) != len(rows) or not all(distance >= -DEEPEST_M for distance in distances):
             raise SimulatorError(
-                f"{self.name}: gaps() returned {said(found, 80)}, not {len(rows)} distances of bodies that do not "
+                f"{self.name}: gaps() returned {said(gaps, 80)}, not {len(rows)} distances of bodies that do not "
                 "touch, m"
             )
         return distances

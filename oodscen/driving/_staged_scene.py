@@ -24,7 +24,7 @@ from oodscen.protocols import Camera, Control, Frame, Observation, State
 
 Floats = NDArray[np.float64]
 
-_ON_ROAD = -1e9
+_ON_ROAD_M = -1e9
 """A height for bodies without one, m: no body is ever measured below the road."""
 _FARTHEST = 1e9
 """Largest coordinate, m, and angle, rad, with which distances can still be measured."""
@@ -111,17 +111,29 @@ class StagedScene(Brief):
         return lane_centrelines(self.corridor)
 
     def places(self, poses: Floats) -> Floats:
-        """Return s along the corridor and t to its left of every body, m: [n, 2]."""
+        """Return s along the corridor and t to its left of every body, m: [n, 2].
+
+        Raises:
+            UsageError: If the poses have another shape, or are not finite.
+        """
         places = self._at(poses).state().places
         assert places is not None, "the kinematic world measures them"
         return places
 
     def gaps(self, poses: Floats) -> Floats:
-        """Return the gaps between the ego's box and the others', as in `State.gaps`: [n], m."""
+        """Return the gaps between the ego's box and the others', as in `State.gaps`: [n], m.
+
+        Raises:
+            UsageError: If the poses have another shape, or are not finite.
+        """
         return self._at(poses).state().gaps
 
     def off_road(self, poses: Floats) -> bool:
-        """Return whether any part of the ego's footprint is beside the drivable road."""
+        """Return whether any part of the ego's footprint is beside the drivable road.
+
+        Raises:
+            UsageError: If the poses have another shape, or are not finite.
+        """
         return self._at(poses).is_off_road()
 
     @checked
@@ -148,8 +160,9 @@ class StagedScene(Brief):
         Raises:
             UsageError: If speed or friction is not a finite number.
         """
-        here = self.scene.weather.friction if friction is None else friction
-        return within_grip(control, speed, here)
+        if friction is None:
+            friction = self.scene.weather.friction
+        return within_grip(control, speed, friction)
 
     @checked
     def draw(self, camera: Camera, poses: Floats, weather: Weather | None = None) -> Frame:
@@ -163,39 +176,54 @@ class StagedScene(Brief):
         Raises:
             UsageError: If the poses have another shape, or are not finite.
         """
-        try:
-            whole = with_heights(poses, len(self.ids))
-        except (TypeError, ValueError) as error:
-            raise UsageError(f"draw() takes the poses of all bodies, not {error}") from None
+        all_poses = self._with_heights(poses)
         assets = [body.asset for body in self.bodies]
-        return flat_frame(camera, self.corridor, weather or self.scene.weather, assets, whole)
+        return flat_frame(camera, self.corridor, weather or self.scene.weather, assets, all_poses)
 
     def _at(self, poses: Floats) -> KinematicWorld:
-        whole = with_heights(poses, len(self.ids))
-        self._world.set_poses(whole, np.zeros(len(whole)))
+        """Return the world with all bodies standing at poses."""
+        all_poses = self._with_heights(poses)
+        self._world.set_poses(all_poses, np.zeros(len(all_poses)))
         return self._world
 
+    def _with_heights(self, poses: Floats) -> Floats:
+        """Return the caller's poses with z.
+
+        Raises:
+            UsageError: If they have another shape, or are not finite.
+        """
+        try:
+            return with_heights(poses, len(self.ids))
+        except (TypeError, ValueError, OverflowError) as error:
+            raise UsageError(f"poses must be those of all bodies, not {error}") from None
+
     def _body(self, row: int) -> StagedBody:
-        world, (name, asset, state) = self._world, self._world.bodies()[row]
+        """Return the body in a row, as the world has it now."""
+        world = self._world
+        body_id, asset, state = world.bodies()[row]
         x, y, z, yaw = map(float, world.poses()[row])
-        lane, goal = world.lanes(name)
-        actor = self.scene.actors[row - 1] if row else None
-        parameters = None
-        if actor is not None:
-            known = self.catalogue.behaviour(actor.behaviour.name).parameters
-            defaults = {key: parameter.default for key, parameter in known.items()}
-            parameters = {**defaults, **actor.behaviour.parameters}
-        return StagedBody(
-            id=name,
+        body = StagedBody(
+            id=body_id,
             asset=asset,
             state=state,
             pose=(x, y, z, yaw),
             speed=float(world.speeds()[row]),
-            lane=lane if row else world.lane,
-            goal_lane=goal if row else world.lane,
-            direction=1 if self.corridor.alignment(world.motion(name).s, yaw) >= 0.0 else -1,
-            behaviour=actor.behaviour.name if actor else "",
-            parameters=parameters,
+            lane=world.lane,
+            goal_lane=world.lane,
+            direction=1 if self.corridor.alignment(world.motion(body_id).s, yaw) >= 0.0 else -1,
+        )
+        if row == 0:
+            return body
+        actor = self.scene.actors[row - 1]
+        lane, goal_lane = world.lanes(body_id)
+        kind = self.catalogue.behaviour(actor.behaviour.name)
+        defaults = {name: parameter.default for name, parameter in kind.parameters.items()}
+        return replace(
+            body,
+            lane=lane,
+            goal_lane=goal_lane,
+            behaviour=actor.behaviour.name,
+            parameters={**defaults, **actor.behaviour.parameters},
             actor=actor,
         )
 
@@ -230,16 +258,16 @@ def with_heights(poses: Floats, count: int) -> Floats:
     Raises:
         ValueError: If the poses have another shape, are not finite or beyond all sense.
     """
-    given = np.asarray(poses)
-    if given.dtype.kind not in "iuf":
-        raise ValueError(f"poses of {given.dtype}, not of numbers")
-    given = given.astype(np.float64)
-    if given.shape not in ((count, 3), (count, 4)):
-        raise ValueError(f"poses of shape {given.shape}, not ({count}, 4) or ({count}, 3)")
-    if not np.isfinite(given).all():
+    array = np.asarray(poses)
+    if array.dtype.kind not in "iuf":
+        raise ValueError(f"poses of {array.dtype}, not of numbers")
+    array = array.astype(np.float64)
+    if array.shape not in ((count, 3), (count, 4)):
+        raise ValueError(f"poses of shape {array.shape}, not ({count}, 4) or ({count}, 3)")
+    if not np.isfinite(array).all():
         raise ValueError("poses that are not finite")
-    if np.abs(given).max(initial=0.0) > _FARTHEST:
+    if np.abs(array).max(initial=0.0) > _FARTHEST:
         raise ValueError(f"poses beyond {_FARTHEST:.0e} m or rad")
-    if given.shape == (count, 4):
-        return given
-    return np.insert(given, 2, _ON_ROAD, axis=1)
+    if array.shape == (count, 4):
+        return array
+    return np.insert(array, 2, _ON_ROAD_M, axis=1)

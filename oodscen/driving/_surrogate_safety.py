@@ -13,7 +13,7 @@ from oodscen.numerics._exact import Floats
 
 TTC_LIMIT_S = 60.0
 """Time beyond which a collision counts as none, s."""
-LEAST_SPEED = 0.1
+LEAST_SPEED_MPS = 0.1
 """Speed of the ego below which there is no time headway, m/s."""
 _STILL_MPS = 1e-9
 """Closing speed below which bodies keep their distance along an axis, m/s."""
@@ -66,10 +66,11 @@ def time_to_collision(a: Footprints, b: Footprints, vx: Floats, vy: Floats) -> F
         place, speed = dx * ux + dy * uy, vx * ux + vy * uy
         is_still = np.abs(speed) < _STILL_MPS
         safe = np.where(is_still, 1.0, speed)
-        one, two = (-reach - place) / safe, (reach - place) / safe
-        apart = np.abs(place) > reach
-        first = np.where(is_still, np.where(apart, np.inf, -np.inf), np.minimum(one, two))
-        last = np.where(is_still, np.inf, np.maximum(one, two))
+        from_below, from_above = (-reach - place) / safe, (reach - place) / safe
+        is_apart = np.abs(place) > reach
+        always_or_never = np.where(is_apart, np.inf, -np.inf)
+        first = np.where(is_still, always_or_never, np.minimum(from_below, from_above))
+        last = np.where(is_still, np.inf, np.maximum(from_below, from_above))
         enter, leave = np.maximum(enter, first), np.minimum(leave, last)
     return np.where((enter <= leave) & (enter <= TTC_LIMIT_S), enter, np.inf)
 
@@ -112,21 +113,19 @@ def post_encroachment(ego: Footprints, others: Footprints, dt: float) -> Floats:
         dt: Seconds per step.
     """
     steps, count = others.x.shape
-    best = np.full(count, np.inf)
+    times = np.full(count, np.inf)
     if not count or not steps:
-        return best
+        return times
     reach = np.sqrt(ego.half_length[0] ** 2 + ego.half_width[0] ** 2) + np.sqrt(
         others.half_length[0] ** 2 + others.half_width[0] ** 2
     )
     dx = others.x[None, :, :] - ego.x[:, None, None]
     dy = others.y[None, :, :] - ego.y[:, None, None]
-    mine, theirs, actor = np.nonzero(dx * dx + dy * dy <= reach * reach)
-    if not len(mine):
-        return best
-    apart = np.abs(mine - theirs)
-    meets = overlap(ego.at(mine), others.at(theirs, actor))
-    np.minimum.at(best, actor[meets], apart[meets] * dt)
-    return best
+    ego_step, actor_step, actor = np.nonzero(dx * dx + dy * dy <= reach * reach)
+    shares_ground = overlap(ego.at(ego_step), others.at(actor_step, actor))
+    apart = np.abs(ego_step - actor_step)[shares_ground] * dt
+    np.minimum.at(times, actor[shares_ground], apart)
+    return times
 
 
 def time_headway(
@@ -144,7 +143,6 @@ def time_headway(
         aside: Distance from the ego's centre to the actor's across the road, m.
         widths: Sum of both half extents across the road, m.
     """
-    gap = ahead - lengths
-    is_ahead = (ahead > 0.0) & (np.abs(aside) < widths) & (ego_speed > LEAST_SPEED)
-    time = np.maximum(gap, 0.0) / np.where(is_ahead, ego_speed, 1.0)
-    return np.where(is_ahead, time, np.inf)
+    gap = np.maximum(ahead - lengths, 0.0)
+    is_ahead = (ahead > 0.0) & (np.abs(aside) < widths) & (ego_speed > LEAST_SPEED_MPS)
+    return np.where(is_ahead, gap / np.where(is_ahead, ego_speed, 1.0), np.inf)

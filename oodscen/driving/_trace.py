@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._arguments import state_of
 from oodscen._display import Brief
 from oodscen._files import writing
 from oodscen._study_files import refuse_own
@@ -97,23 +99,31 @@ class Trace(Brief):
             catalogue: The simulator's catalogue, for sizes and the map.
 
         Raises:
-            UsageError: If there is no state.
+            UsageError: If there is no state, one is of another scene, or time does not pass between two.
         """
+        for state in states:
+            state_of(scene, state)
         return cls.from_states(states, Course.of(scene, catalogue))
 
     @classmethod
-    def from_states(cls, states: Sequence[State], course: "Course") -> Self:
-        """Compute the ground truth of consecutive states for a known course."""
+    def from_states(cls, states: Sequence[State], course: Course) -> Self:
+        """Compute the ground truth of consecutive states of a course's scene.
+
+        Raises:
+            UsageError: If there is no state, or time does not pass between two.
+        """
         if not states:
             raise UsageError("a trace needs at least one state")
+        if any(after.time <= before.time for before, after in pairwise(states)):
+            raise UsageError("the states of a trace must be in the order of their times")
         bodies = _BodyTracks.of(states, course)
         s, t, road_cos, road_sin = places(course.corridor, bodies.x, bodies.y)
-        vx, vy, acceleration, turning = _rates(bodies)
+        vx, vy, acceleration, turn_rate = _rates(bodies)
         shape = bodies.speed.shape
         contact = bodies.gap <= 0.0
         contact[:, 0] = contact[:, 1:].any(axis=1)
-        off = np.full(shape, np.nan)
-        off[:, 0] = [state.off_road for state in states]
+        off_road = np.full(shape, np.nan)
+        off_road[:, 0] = [state.off_road for state in states]
         steps = np.array([state.step for state in states])
         columns = {
             "step": np.broadcast_to(steps[:, None], shape),
@@ -126,7 +136,7 @@ class Trace(Brief):
             "vx": vx,
             "vy": vy,
             "acceleration": acceleration,
-            "lateral_acceleration": bodies.speed * turning,
+            "lateral_acceleration": bodies.speed * turn_rate,
             "s": s,
             "t": t,
             "lane": lanes(course.corridor, course.strip, s, t),
@@ -134,7 +144,7 @@ class Trace(Brief):
             "ttc_s": _times_to_collision(bodies, course, vx, vy, s),
             "time_headway_s": _headways(bodies, course, s, t, road_cos, road_sin),
             "contact": contact,
-            "off_road": off,
+            "off_road": off_road,
         }
         for index, name in enumerate(("length", "width", "height")):
             columns[name] = np.broadcast_to(course.sizes[:, index], shape)
@@ -158,17 +168,16 @@ class Trace(Brief):
             return {}
         columns = self.columns
         sin, cos = sincos_all(columns["yaw"])
-        prints = Footprints(
+        footprints = Footprints(
             columns["x"], columns["y"], cos, sin, 0.5 * columns["length"], 0.5 * columns["width"]
         )
         time = columns["time"][:, 0]
         dt = float(time[1] - time[0]) if len(time) > 1 else 0.0
-        others = prints.at(_ALL, slice(1, None))
-        pet = post_encroachment(prints.at(_ALL, 0), others, dt)
-        hit = columns["contact"][:, 1:].any(axis=0)
+        others = footprints.at(_ALL, slice(1, None))
+        pet = post_encroachment(footprints.at(_ALL, 0), others, dt)
         # An actor that is driven over, through or under shares the ego's ground without a conflict.
-        clear = overlap(prints.at(_ALL, slice(0, 1)), others).any(axis=0)
-        pet = np.where(hit, 0.0, np.where(clear, np.inf, pet))
+        pet[overlap(footprints.at(_ALL, slice(0, 1)), others).any(axis=0)] = np.inf
+        pet[columns["contact"][:, 1:].any(axis=0)] = 0.0
         least = {
             name: columns[name][:, 1:].min(axis=0) for name in ("gap_m", "ttc_s", "time_headway_s")
         }
@@ -176,16 +185,14 @@ class Trace(Brief):
         return {
             name: Encounter(
                 actor=name,
-                min_gap_m=_finite(least["gap_m"][row]),
-                min_ttc_s=_finite(least["ttc_s"][row]),
-                pet_s=_finite(pet[row]),
-                min_time_headway_s=_finite(least["time_headway_s"][row]),
+                min_gap_m=_rounded(least["gap_m"][row]),
+                min_ttc_s=_rounded(least["ttc_s"][row]),
+                pet_s=_rounded(pet[row]),
+                min_time_headway_s=_rounded(least["time_headway_s"][row]),
                 max_deceleration=max(0.0, round(float(braking[row]), 3)),
             )
             for row, name in enumerate(self.ids[1:])
         }
-
-    # ------------------------------------------------------------------ tables and files
 
     def to_arrow(self) -> "pa.Table":
         """Return an Arrow table, ordered by step and then by body.
@@ -258,10 +265,10 @@ def least_time_to_collision(before: State | None, state: State, course: Course) 
     Velocities are those since the state before, and without one along the headings.
     """
     bodies = _BodyTracks.of([state], course)
-    vx, vy = bodies.speed * bodies.prints.cos, bodies.speed * bodies.prints.sin
+    vx, vy = bodies.speed * bodies.footprints.cos, bodies.speed * bodies.footprints.sin
     if before is not None:
-        moved = (state.poses[:, :2] - before.poses[:, :2]) / (state.time - before.time)
-        vx, vy = moved.T[:, None, :]
+        velocities = (state.poses[:, :2] - before.poses[:, :2]) / (state.time - before.time)
+        vx, vy = velocities.T[:, None, :]
     if state.places is not None:
         s = state.places[None, :, 0]
     else:
@@ -280,7 +287,7 @@ class _BodyTracks(NamedTuple):
     yaw: Floats
     speed: Floats
     gap: Floats
-    prints: Footprints
+    footprints: Footprints
 
     @classmethod
     def of(cls, states: Sequence[State], course: Course) -> Self:
@@ -296,23 +303,24 @@ class _BodyTracks(NamedTuple):
             yaw=yaw,
             speed=np.array([state.speeds for state in states]),
             gap=np.array([state.gaps for state in states]),
-            prints=Footprints(x, y, cos, sin, *halves),
+            footprints=Footprints(x, y, cos, sin, *halves),
         )
 
 
 def _rates(bodies: _BodyTracks) -> tuple[Floats, Floats, Floats, Floats]:
     """Return the velocities along x and y, the accelerations and the rates of turn."""
     speed = bodies.speed
-    vx, vy = speed * bodies.prints.cos, speed * bodies.prints.sin
-    acceleration, turning = np.zeros_like(speed), np.zeros_like(speed)
+    vx, vy = speed * bodies.footprints.cos, speed * bodies.footprints.sin
+    acceleration, turn_rate = np.zeros_like(speed), np.zeros_like(speed)
     if len(speed) > 1:
-        rate = 1.0 / np.diff(bodies.time)[:, None]
-        vx[1:], vy[1:] = np.diff(bodies.x, axis=0) * rate, np.diff(bodies.y, axis=0) * rate
-        acceleration[1:] = np.diff(speed, axis=0) * rate
-        turned = np.diff(bodies.yaw, axis=0)
-        turned -= TAU * np.rint(turned * (1.0 / TAU))
-        turning[1:] = turned * rate
-    return vx, vy, acceleration, turning
+        steps_per_s = 1.0 / np.diff(bodies.time)[:, None]
+        vx[1:] = np.diff(bodies.x, axis=0) * steps_per_s
+        vy[1:] = np.diff(bodies.y, axis=0) * steps_per_s
+        acceleration[1:] = np.diff(speed, axis=0) * steps_per_s
+        turn = np.diff(bodies.yaw, axis=0)
+        turn -= TAU * np.rint(turn * (1.0 / TAU))
+        turn_rate[1:] = turn * steps_per_s
+    return vx, vy, acceleration, turn_rate
 
 
 def _times_to_collision(
@@ -320,7 +328,10 @@ def _times_to_collision(
 ) -> Floats:
     """Return the time to collision of every body with the ego; infinite for the ego."""
     ttc = np.full(vx.shape, np.inf)
-    ego, others = bodies.prints.at(_ALL, slice(0, 1)), bodies.prints.at(_ALL, slice(1, None))
+    ego, others = (
+        bodies.footprints.at(_ALL, slice(0, 1)),
+        bodies.footprints.at(_ALL, slice(1, None)),
+    )
     ttc[:, 1:] = time_to_collision(ego, others, vx[:, 1:] - vx[:, :1], vy[:, 1:] - vy[:, :1])
     ttc[:, 1:][bodies.gap[:, 1:] <= 0.0] = 0.0
     ground = np.interp(s, course.corridor.s, course.corridor.z)
@@ -334,11 +345,11 @@ def _headways(
     bodies: _BodyTracks, course: Course, s: Floats, t: Floats, road_cos: Floats, road_sin: Floats
 ) -> Floats:
     """Return the ego's time headway to every body; infinite for the ego."""
-    prints = bodies.prints
-    askew = np.abs(prints.cos * road_cos + prints.sin * road_sin)
-    turned = np.abs(prints.sin * road_cos - prints.cos * road_sin)
-    along = prints.half_length * askew + prints.half_width * turned
-    across = prints.half_length * turned + prints.half_width * askew
+    body = bodies.footprints
+    cos = np.abs(body.cos * road_cos + body.sin * road_sin)
+    sin = np.abs(body.sin * road_cos - body.cos * road_sin)
+    along = body.half_length * cos + body.half_width * sin
+    across = body.half_length * sin + body.half_width * cos
     headway = np.full(s.shape, np.inf)
     headway[:, 1:] = time_headway(
         s[:, 1:] - s[:, :1],
@@ -351,5 +362,6 @@ def _headways(
     return headway
 
 
-def _finite(value: "np.floating[Any] | float") -> float | None:
+def _rounded(value: float) -> float | None:
+    """Return a value to thousandths; `None` if it is not finite."""
     return round(float(value), 3) if np.isfinite(value) else None

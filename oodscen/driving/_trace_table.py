@@ -42,15 +42,25 @@ COLUMNS: Mapping[str, str] = {
 }
 """All columns of the table in order, with their meanings."""
 
-_KINDS: Mapping[str, type[np.generic]] = {
+_WRITTEN_TYPES: Mapping[str, type[np.generic]] = {
     "step": np.int32,
     "lane": np.int32,
     "contact": np.bool_,
     "off_road": np.bool_,
 }
-"""Types of the columns in a table; all others are float64."""
-_NEVER = frozenset({"gap_m", "ttc_s", "time_headway_s"})
-"""Columns in which null stands for infinity; elsewhere it stands for NaN."""
+"""Types of the columns in a table that is written; all others are float64."""
+_READ_TYPES: Mapping[str, str] = {
+    "step": "int64",
+    "lane": "int64",
+    "contact": "bool",
+    "off_road": "bool",
+}
+"""Types to which the columns of a table that is read must convert; all others are float64."""
+_CONTENTS = {"int64": "whole numbers", "bool": "truth values", "float64": "numbers"}
+_INFINITE = frozenset({"gap_m", "ttc_s", "time_headway_s"})
+"""Columns in which null stands for infinity."""
+_UNKNOWN = frozenset({"lane", "off_road"})
+"""Columns in which null stands for NaN; no other column has nulls."""
 _SUFFIXES = (".parquet", ".arrow", ".csv")
 
 
@@ -63,52 +73,94 @@ def to_arrow(ids: tuple[str, ...], columns: Columns) -> "pa.Table":
     pa = _pyarrow()
     rows = np.tile(np.arange(len(ids), dtype=np.int32), len(columns["time"]))
     names = pa.DictionaryArray.from_arrays(pa.array(rows), pa.array(list(ids), pa.string()))
-    data = {name: names if name == "id" else _to_arrow(name, columns[name]) for name in COLUMNS}
+    data = {
+        name: names if name == "id" else _to_arrow_column(name, columns[name]) for name in COLUMNS
+    }
     return pa.table(data)
 
 
-def _to_arrow(name: str, column: NDArray[Any]) -> "pa.Array":
+def _to_arrow_column(name: str, column: NDArray[Any]) -> "pa.Array":
     import pyarrow as pa
 
     values = np.ascontiguousarray(column).reshape(-1)
-    empty = ~np.isfinite(values)
-    if name in _KINDS:
-        values = np.where(empty, 0, values).astype(_KINDS[name])
-    return pa.array(values, mask=empty)
+    is_null = ~np.isfinite(values)
+    if name in _WRITTEN_TYPES:
+        values = np.where(is_null, 0, values).astype(_WRITTEN_TYPES[name])
+    return pa.array(values, mask=is_null)
 
 
 def from_arrow(table: "pa.Table", source: str) -> tuple[tuple[str, ...], Columns]:
     """Return the ids and columns of a table.
 
     Raises:
-        DataError: If the table is not a trace.
+        DataError: If the table is not a trace, with every fault.
     """
-    missing = [name for name in COLUMNS if name not in table.column_names]
-    if missing:
-        faults = [Issue(name, "this column is missing") for name in missing]
-        raise DataError("trace", faults, source=source)
-    names = table["id"].cast("string").to_pylist()
+    issues: list[Issue] = []
+    for name in COLUMNS:
+        count = table.column_names.count(name)
+        if count != 1:
+            fault = "is missing" if count == 0 else f"stands here {count} times"
+            issues.append(Issue(name, f"this column {fault}"))
+    if issues:
+        raise DataError("trace", issues, source=source)
+    ids: tuple[str, ...] = ()
+    columns: dict[str, NDArray[Any]] = {}
+    for name in COLUMNS:
+        try:
+            if name == "id":
+                ids = _ids_of(table[name])
+            else:
+                columns[name] = _from_arrow_column(name, table[name])
+        except ValueError as error:
+            issues.append(Issue(name, str(error)))
+    if issues:
+        raise DataError("trace", issues, source=source)
+    return ids, {name: column.reshape(-1, len(ids)) for name, column in columns.items()}
+
+
+def _ids_of(column: "pa.ChunkedArray") -> tuple[str, ...]:
+    """Return the ids of the bodies, which repeat step by step.
+
+    Raises:
+        ValueError: If they do not.
+    """
+    names = _cast(column, "string").to_pylist()
     ids = tuple(dict.fromkeys(names))
-    count = len(ids)
-    if not count or len(names) % count or tuple(names) != ids * (len(names) // count):
-        fault = Issue("id", "the rows are not every body's, step by step")
-        raise DataError("trace", [fault], source=source)
-    shape = (len(names) // count, count)
-    columns = {
-        name: _from_arrow(name, table[name].to_numpy(zero_copy_only=False)).reshape(shape)
-        for name in COLUMNS
-        if name != "id"
-    }
-    return ids, columns
+    is_complete = bool(ids) and len(names) % len(ids) == 0
+    if not is_complete or None in ids or tuple(names) != ids * (len(names) // len(ids)):
+        raise ValueError("the rows are not every body's, step by step")
+    return ids
 
 
-def _from_arrow(name: str, values: NDArray[Any]) -> NDArray[Any]:
-    if name == "step":
-        return values.astype(np.int64)
-    if name == "contact":
-        return values.astype(bool)
-    array = values.astype(np.float64)  # None becomes NaN
-    return np.where(np.isnan(array), np.inf, array) if name in _NEVER else array
+def _from_arrow_column(name: str, column: "pa.ChunkedArray") -> NDArray[Any]:
+    """Return a column as an array of int64, bool or float64.
+
+    Raises:
+        ValueError: If it holds values of another type, or none in some row.
+    """
+    kind = _READ_TYPES.get(name, "float64")
+    values = _cast(column, kind).to_numpy(zero_copy_only=False)
+    if name in _INFINITE | _UNKNOWN:
+        numbers: NDArray[np.float64] = values.astype(np.float64)  # None becomes NaN.
+        return np.where(np.isnan(numbers), np.inf, numbers) if name in _INFINITE else numbers
+    if column.null_count or not np.isfinite(values).all():
+        raise ValueError("some rows have no value")
+    array: NDArray[Any] = values
+    return array
+
+
+def _cast(column: "pa.ChunkedArray", kind: str) -> "pa.ChunkedArray":
+    """Return a column of another type.
+
+    Raises:
+        ValueError: If some value has no counterpart.
+    """
+    import pyarrow as pa
+
+    try:
+        return column.cast(kind)
+    except pa.ArrowException:
+        raise ValueError(f"must hold {_CONTENTS.get(kind, 'words')} only") from None
 
 
 def write(table: "pa.Table", path: Path) -> None:
@@ -146,8 +198,8 @@ def read(path: Path) -> "pa.Table":
                 return pa.ipc.open_file(file).read_all()
         import pyarrow.csv as csv
 
-        words = csv.ConvertOptions(column_types={"id": pa.string()})
-        return csv.read_csv(path, convert_options=words)
+        options = csv.ConvertOptions(column_types={"id": pa.string()})
+        return csv.read_csv(path, convert_options=options)
     except (OSError, pa.ArrowException) as error:
         raise DataError("trace", [Issue("", str(error))], source=str(path)) from None
 
@@ -178,7 +230,7 @@ def checked_path(path: str | Path) -> Path:
     """
     target = Path(path)
     if target.suffix not in _SUFFIXES:
-        raise UsageError(f"{target.name}: a trace is written as {', '.join(_SUFFIXES)}")
+        raise UsageError(f"{target.name}: the file of a trace ends in {', '.join(_SUFFIXES)}")
     return target
 
 

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._numbers import said
 from oodscen.data._episode import ACTIONS
 from oodscen.driving._motion.actions import ActionDriver
 from oodscen.driving._motion.bodies import GRAVITY, MAX_DRIVE, MAX_STEERING
@@ -46,14 +47,15 @@ def read_continuous(action: Any, source: str) -> NDArray[np.float64]:
     """
     try:
         values = np.asarray(action)
-        is_number = values.dtype.kind in "fiu" or values.dtype == object
-        values = values.astype(np.float64) if is_number else np.empty(0)
+        if values.dtype.kind not in "fiuO" or values.shape != (2,):
+            raise TypeError
+        values = values.astype(np.float64)
     except (TypeError, ValueError, OverflowError):
-        values = np.empty(0)
-    if values.shape != (2,):
-        raise UsageError(f"{source}: an action must be two numbers, not {action!r:.80}")
+        raise UsageError(
+            f"{source}: an action must be two numbers, not {said(action, 80)}"
+        ) from None
     if not np.isfinite(values).all():
-        raise UsageError(f"{source}: an action must be finite, not {action!r:.80}")
+        raise UsageError(f"{source}: an action must be finite, not {said(action, 80)}")
     return values
 
 
@@ -65,11 +67,11 @@ def read_discrete(action: Any, source: str) -> str:
     """
     try:
         number = np.asarray(action)
-    except ValueError:
+    except ValueError:  # It is a ragged sequence.
         number = np.empty(0)
     if number.ndim or number.dtype.kind not in "iu" or not 0 <= number < len(ACTIONS):
-        known = ", ".join(f"{code} {name}" for code, name in enumerate(ACTIONS))
-        raise UsageError(f"{source}: unknown action {action!r:.80}; the actions are {known}")
+        actions = ", ".join(f"{code} {name}" for code, name in enumerate(ACTIONS))
+        raise UsageError(f"{source}: unknown action {said(action, 80)}; the actions are {actions}")
     return ACTIONS[int(number)]
 
 
@@ -105,31 +107,36 @@ class Manoeuvres:
     """
 
     def __init__(self) -> None:
-        self._action = ""
+        self._action: str | None = None
         self._driver = ActionDriver("keep_speed")
-        self._cruise: float | None = None
-        self._centre = self._target = 0.0
+        self._cruise_mps: float | None = None
+        self._begin_m = 0.0
+        """Offset of the lane in which the action began, from the lane in which the ego started."""
+        self._end_m = 0.0
+        """Offset at which the action ends."""
 
     def begin(self, action: str, now: Observation) -> None:
         """Begin an action, or go on with it."""
-        if self._cruise is None:
-            self._cruise = now.speed
+        if self._cruise_mps is None:
+            self._cruise_mps = now.speed
         if action == self._action:
             return
-        nearest = min((self._centre, self._target), key=lambda place: abs(place - now.offset_m))
-        targets = {
+        self._begin_m = min(
+            self._begin_m, self._end_m, key=lambda lane_m: abs(lane_m - now.offset_m)
+        )
+        ends_m = {
             "change_lane_left": now.lane_left_m,
             "change_lane_right": now.lane_right_m,
             "pull_over": now.roadside_m,
         }
-        target = targets.get(action)
-        self._centre, self._target = nearest, nearest if target is None else target
+        end_m = ends_m.get(action)
+        self._end_m = self._begin_m if end_m is None else end_m
         self._action = action
-        self._driver = ActionDriver(action, cruise=self._cruise)
+        self._driver = ActionDriver(action, cruise=self._cruise_mps)
 
     def control(self, now: Observation) -> Control:
         """Return the control for the next step, relative to the lane in which the action began."""
-        centre = self._centre
+        centre = self._begin_m
         left, right = now.lane_left_m, now.lane_right_m
         return self._driver.act(
             replace(

@@ -1,4 +1,4 @@
-"""Drivers as policies."""
+"""Drivers as policies of an environment."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -41,12 +41,12 @@ class DriverPolicy(Brief):
         self.env = env
         self._make = driver_maker(driver) if isinstance(driver, str) else driver
         self._driver: Driver | None = None
-        self._episode = -1
+        self._episode: int | None = None
 
     def predict(
         self, observation: Any = None, *unused: Any, **ignored: Any
     ) -> tuple[NDArray[np.float32], None]:
-        """Return the driver's action, and no state."""
+        """Return the driver's action, and no state, as policies of stable-baselines3 do; it ignores all arguments."""
         return self(observation), None
 
     def __call__(self, observation: Any = None) -> NDArray[np.float32]:
@@ -56,12 +56,12 @@ class DriverPolicy(Brief):
             UsageError: Before the first reset, or if the driver returns no control.
         """
         env = self.env
-        if env.state is None or env.seen is None:
+        if env.state is None or env.driver_observation is None:
             raise UsageError("a driver's policy: call the environment's reset() first")
         if self._driver is None or self._episode != env.episode:
             self._driver, self._episode = conforming("driver", self._make()), env.episode
         assert self._driver is not None
-        seen = env.seen
+        seen = env.driver_observation
         if getattr(self._driver, "wants_frames", False):
             seen = replace(seen, frame=env.look(own_camera(self._driver) or Camera()))
         if (look := getattr(self._driver, "look", None)) is not None:

@@ -1,12 +1,9 @@
 """The environment `oodscen/Scene-v0`: drive the ego of a scene."""
 
 import math
-import os
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
-from weakref import WeakValueDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,11 +12,9 @@ from oodscen._arguments import checked, instance_of
 from oodscen._display import Brief
 from oodscen._members import close, working
 from oodscen._numbers import seed_number
-from oodscen.data._pairing import scene_of, twin_id
 from oodscen.data._scene import Scene
 from oodscen.driving._base_simulator import render_checked
-from oodscen.driving._states import watched
-from oodscen.driving._trace import Course
+from oodscen.driving._checked_simulator import checked_simulator
 from oodscen.errors import SimulatorError, UnknownComponent, UsageError
 from oodscen.gymnasium._acting import ActionDecoder
 from oodscen.gymnasium._driver_policy import DriverPolicy
@@ -28,15 +23,14 @@ from oodscen.gymnasium._extra import gymnasium
 from oodscen.gymnasium._interface import ActionKind, Interface, ObservationKind, nearest_steps
 from oodscen.gymnasium._observing import picture
 from oodscen.gymnasium._reward import Reward
+from oodscen.gymnasium._scene_set import SceneSet
 from oodscen.gymnasium._scenes import chosen_scenes
+from oodscen.gymnasium._simulator_use import claim, release
 from oodscen.protocols import Camera, Driver, Frame, Observation, Simulator, State
-from oodscen.stages._drive import horizon
 from oodscen.study._study import Study
 
 _ROUNDING_S = 1e-6
 """Difference of two times that comes of rounding, also in single precision, s."""
-_USERS: WeakValueDictionary[tuple[int, int], "SceneEnv"] = WeakValueDictionary()
-"""The open environments by process and id of their simulator."""
 
 
 class SceneEnv(Brief, gymnasium.Env[Any, Any]):
@@ -74,7 +68,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         StudyMissing: If the folder holds no study.
     """
 
-    _repr_fields = ("simulator", "interface", "_scenes")
+    _repr_fields = ("simulator", "interface", "scene_ids")
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 10}
 
@@ -103,29 +97,23 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         self.action_space = self.interface.action_space
         self.render_mode = render_mode
         self.reward = Reward.of(reward or {})
-        found, self.simulator, known = chosen_scenes(study, scenes, simulator)
-        self._watched = watched(self.simulator)
-        self._seed = known if seed is None else seed_number(seed)
-        self._scenes = {scene.id: scene for scene in found}
-        self.scene_ids: tuple[str, ...] = tuple(
-            name
-            for scene in found
-            for name in (scene.id, twin_id(scene.id))
-            if name == scene.id or (twins and not scene.is_twin)
-        )
-        """The ids that an episode can have."""
-        if twice := [name for name, count in Counter(self.scene_ids).items() if count > 1]:
-            raise UsageError(f"a scene has the id of another one's twin, {twice[0]!r}")
+        chosen, self.simulator, study_seed = chosen_scenes(study, scenes, simulator)
+        self._checked_simulator = checked_simulator(self.simulator)
+        self._seed = study_seed if seed is None else seed_number(seed)
+        self._scenes = SceneSet(chosen, twins=twins)
+        self.scene_ids = self._scenes.ids
+        """The ids that an episode can have by chance."""
         self._steps_per_action = self._count_steps()
         self.interface.step_s = self._steps_per_action * self.simulator.dt
-        self.metadata = {**self.metadata, "render_fps": round(1.0 / self.interface.step_s)}
+        frames_per_s = max(1, round(1.0 / self.interface.step_s))
+        self.metadata = {**self.metadata, "render_fps": frames_per_s}
         self._prepared: dict[str, PreparedScene] = {}
-        self._steerer = ActionDecoder(actions)
+        self._decoder = ActionDecoder(actions)
         self._episode: RunningScene | None = None
         self._is_over = True
         self.episode = 0
         """Number of episodes that have begun."""
-        self._claim()
+        claim(self)
 
     def __getstate__(self) -> Any:
         """Return what is copied or pickled.
@@ -151,8 +139,6 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
             )
         return steps
 
-    # ------------------------------------------------------------------ Gymnasium
-
     @checked
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -175,19 +161,21 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         name = (options or {}).get("scene")
         if name is None:
             name = self.scene_ids[int(self.np_random.integers(len(self.scene_ids)))]
-        self._claim()
+        claim(self)
         self._is_over = True
         prepared = self._prepare(str(name))
         with working("simulator", self.simulator.name):
-            episode = self._episode = RunningScene.begin(prepared, self._watched, self._seed)
-        self._steerer = ActionDecoder(self.interface.actions)
+            episode = self._episode = RunningScene.begin(
+                prepared, self._checked_simulator, self._seed
+            )
+        self._decoder = ActionDecoder(self.interface.actions)
         self.episode += 1
         if episode.is_lost:
             raise SimulatorError(
                 f"the scene {prepared.scene.id!r} begins with a collision or off the road"
             )
         self._is_over = False
-        return self._observed(episode), self._info(episode, None)
+        return self._observe(episode), self._info(episode, None)
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Hold an action for one step of the environment.
@@ -202,31 +190,31 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
             raise UsageError(
                 "SceneEnv.step(): call reset() first; the episode is over or has not begun"
             )
-        self._claim()
-        self._steerer.begin(action, episode.seen, "SceneEnv.step()")
-        place, speed, time = episode.place_m, episode.speed, episode.state.time
+        claim(self)
+        self._decoder.begin(action, episode.observation, "SceneEnv.step()")
+        begin_m, begin_speed, begin_s = episode.place_m, episode.speed, episode.state.time
         self._is_over = True  # Also if the simulator fails: its state is unknown then.
         for _ in range(self._steps_per_action):
             before = episode.state
             with working("simulator", self.simulator.name):
-                episode.advance(self._steerer.control(episode.seen))
+                episode.advance(self._decoder.control(episode.observation))
             if episode.is_lost or episode.is_at_horizon:
                 break
         terminated = episode.is_lost
         truncated = not terminated and episode.is_at_horizon
         self._is_over = terminated or truncated
         info = self._info(episode, before)
-        seconds = episode.state.time - time
+        seconds = episode.state.time - begin_s
         terms = info["reward_terms"] = self.reward.terms(
             seconds,
-            progress=(episode.place_m - place) / (episode.initial_speed * seconds),
-            offset_m=episode.seen.offset_m,
-            deceleration=(speed - episode.speed) / seconds,
+            progress=(episode.place_m - begin_m) / (episode.initial_speed * seconds),
+            offset_m=episode.observation.offset_m,
+            deceleration=(begin_speed - episode.speed) / seconds,
             ttc_s=info["ttc_s"],
             collision=info["collision"],
             off_road=info["off_road"],
         )
-        return self._observed(episode), math.fsum(terms.values()), terminated, truncated, info
+        return self._observe(episode), math.fsum(terms.values()), terminated, truncated, info
 
     def render(self) -> NDArray[np.uint8] | None:
         """Return the dash camera's picture, 640 x 480, or `None` without a render mode."""
@@ -237,11 +225,8 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
     def close(self) -> None:
         """Close the simulator; may be called twice, and a later `reset` opens it again."""
         self._is_over = True
-        if _USERS.get(self._user_key) is self:
-            del _USERS[self._user_key]
+        release(self)
         close(self.simulator)
-
-    # ------------------------------------------------------------------ for drivers
 
     @property
     def state(self) -> State | None:
@@ -249,9 +234,9 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         return None if self._episode is None else self._episode.state
 
     @property
-    def seen(self) -> Observation | None:
-        """The driver's observation of the state; `None` before the first reset."""
-        return None if self._episode is None else self._episode.seen
+    def driver_observation(self) -> Observation | None:
+        """The observation of a driver, not of the environment; `None` before the first reset."""
+        return None if self._episode is None else self._episode.observation
 
     def look(self, camera: Camera) -> Frame:
         """Return a frame of the current state.
@@ -279,46 +264,25 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         """
         return DriverPolicy(driver, self)
 
-    # ------------------------------------------------------------------ internals
-
     @property
     def _frame_source(self) -> str:
         """The method that made a frame, for messages."""
         return f"render() of the simulator {self.simulator.name!r}"
 
-    @property
-    def _user_key(self) -> tuple[int, int]:
-        return os.getpid(), id(self.simulator)
-
-    def _claim(self) -> None:
-        """Make the simulator this environment's until it is closed.
-
-        Raises:
-            UsageError: If another open environment uses the same object.
-        """
-        if _USERS.setdefault(self._user_key, self) is not self:
-            raise UsageError(
-                f"another open environment uses this simulator, {self.simulator.name!r}: give its name, or one "
-                "object per environment"
-            )
-
     def _prepare(self, name: str) -> PreparedScene:
-        """Return a scene or twin with its duration, found by one blind drive."""
-        if name in self._prepared:
-            return self._prepared[name]
-        scene = self._scenes.get(name) or self._scenes.get(scene_of(name))
-        if scene is None or name not in (scene.id, twin_id(scene.id)):
-            raise UnknownComponent("scene", name[:80], self.scene_ids)
-        with working("simulator", self.simulator.name):
-            steps, decision_s, _ = horizon(scene, self._watched, self._seed)
-            driven = scene if name == scene.id else scene.twin(decision_s)
-            course = Course.of(driven, self.simulator.catalogue())
-        self._prepared[name] = PreparedScene(driven, course, steps)
+        """Return a scene or twin, prepared once."""
+        if name not in self._prepared:
+            scene, is_twin = self._scenes.find(name)
+            with working("simulator", self.simulator.name):
+                self._prepared[name] = PreparedScene.of(
+                    scene, self._checked_simulator, self._seed, is_twin=is_twin
+                )
         return self._prepared[name]
 
-    def _observed(self, episode: RunningScene) -> Any:
+    def _observe(self, episode: RunningScene) -> Any:
+        """Return the observation of the environment."""
         frame = self.look(self.interface.camera) if self.interface.wants_frames else None
-        return self.interface.observed(episode.state, episode.seen, frame, self._frame_source)
+        return self.interface.observe(episode.state, episode.observation, frame, self._frame_source)
 
     def _info(self, episode: RunningScene, before: State | None) -> dict[str, Any]:
         return {**episode.info(before), "step_s": self.interface.step_s}

@@ -2,11 +2,12 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 from oodscen.data._scene import Scene
 from oodscen.driving._trace import Course, least_time_to_collision
 from oodscen.protocols import Control, Observation, Simulator, State
+from oodscen.stages._drive import horizon
 
 
 class PreparedScene(NamedTuple):
@@ -15,6 +16,13 @@ class PreparedScene(NamedTuple):
     scene: Scene
     course: Course
     steps: int
+
+    @classmethod
+    def of(cls, scene: Scene, simulator: Simulator, seed: int, *, is_twin: bool) -> Self:
+        """Return a scene or its ordinary twin with the duration that a blind drive of the scene finds."""
+        steps, decision_s, _ = horizon(scene, simulator, seed)
+        driven = scene.twin(decision_s) if is_twin else scene
+        return cls(driven, Course.of(driven, simulator.catalogue()), steps)
 
 
 @dataclass
@@ -25,7 +33,7 @@ class RunningScene:
     simulator: Simulator
     state: State
     """The true state."""
-    seen: Observation
+    observation: Observation
     """The driver's observation of the state."""
     steps_done: int = 0
 
@@ -35,7 +43,7 @@ class RunningScene:
         """Speed by which progress is measured, m/s: that of the start, at least 1 m/s."""
 
     @classmethod
-    def begin(cls, prepared: PreparedScene, simulator: Simulator, seed: int) -> "RunningScene":
+    def begin(cls, prepared: PreparedScene, simulator: Simulator, seed: int) -> Self:
         """Reset a simulator to the start of a scene."""
         state = simulator.reset(prepared.scene, seed)
         return cls(prepared, simulator, state, simulator.observe())
@@ -43,7 +51,7 @@ class RunningScene:
     def advance(self, control: Control) -> None:
         """Drive for one step of the simulator."""
         self.state = self.simulator.step(control)
-        self.seen = self.simulator.observe()
+        self.observation = self.simulator.observe()
         self.steps_done += 1
 
     @property

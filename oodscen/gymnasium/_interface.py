@@ -18,8 +18,8 @@ from oodscen.protocols import Camera, Frame, Observation, State
 
 ObservationKind = Literal["state", "frame", "both"]
 ActionKind = Literal["continuous", "discrete"]
-SMALL = Camera(width=128, height=96)
-"""The camera of observations."""
+_CAMERA = Camera(width=128, height=96)
+"""The camera of observations unless another is given."""
 _USUAL_STEP_S = 0.1
 """Time for which an action holds, s, if the simulator's step divides it."""
 
@@ -57,7 +57,7 @@ class Interface(Brief):
         self.observation = observation
         self.actions = actions
         self.neighbours = whole_number("neighbours", neighbours, 1, 200)
-        self.camera = camera or SMALL
+        self.camera = camera or _CAMERA
         self.step_s = None if step_s is None else finite_number("step_s", step_s, 0.01, 10.0)
 
     @property
@@ -72,17 +72,24 @@ class Interface(Brief):
 
     @property
     def wants_frames(self) -> bool:
-        """Return whether observations have a picture."""
+        """True if observations have a picture."""
         return self.observation != "state"
 
-    def observed(self, state: State, now: Observation, frame: Frame | None, source: str) -> Any:
-        """Return the observation of a true state, with the frame of the method `source` if observations have one."""
+    def observe(self, state: State, now: Observation, frame: Frame | None, source: str) -> Any:
+        """Return the policy's observation of a state.
+
+        Args:
+            state: The true state.
+            now: The driver's observation of it.
+            frame: The picture of it; not used if observations have none.
+            source: The method that made the frame, for messages.
+        """
         if self.observation == "frame":
             return picture(frame, self.camera, source)
-        found: dict[str, NDArray[Any]] = {
+        observation: dict[str, NDArray[Any]] = {
             "ego": ego_numbers(state, now),
             "neighbours": neighbour_numbers(state, now, self.neighbours),
         }
         if self.observation == "both":
-            found["frame"] = picture(frame, self.camera, source)
-        return found
+            observation["frame"] = picture(frame, self.camera, source)
+        return observation

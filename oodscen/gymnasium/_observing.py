@@ -59,23 +59,21 @@ def observation_space(kind: str, neighbours: int, camera: Camera) -> Space:
 
 def ego_numbers(state: State, now: Observation) -> NDArray[np.float32]:
     """Return the numbers about the ego, scaled to -1..1; 0 for a lane that does not exist."""
-    rates = state.accelerations
-    values = np.array(
-        [
-            now.speed,
-            now.offset_m,
-            now.heading_error,
-            now.curvature,
-            0.0 if rates is None else rates[0],
-            0.0 if now.lane_left_m is None else now.lane_left_m - now.offset_m,
-            0.0 if now.lane_right_m is None else now.lane_right_m - now.offset_m,
-            now.roadside_m - now.offset_m,
-            now.friction,
-            now.visual_range_m,
-            now.curve_speed,
-        ]
-    )
-    return _scaled(values, _EGO_SCALE)
+    accelerations = state.accelerations
+    values = {
+        "speed": now.speed,
+        "offset": now.offset_m,
+        "heading_error": now.heading_error,
+        "curvature": now.curvature,
+        "acceleration": 0.0 if accelerations is None else accelerations[0],
+        "lane_left": 0.0 if now.lane_left_m is None else now.lane_left_m - now.offset_m,
+        "lane_right": 0.0 if now.lane_right_m is None else now.lane_right_m - now.offset_m,
+        "roadside": now.roadside_m - now.offset_m,
+        "friction": now.friction,
+        "visual_range": now.visual_range_m,
+        "curve_speed": now.curve_speed,
+    }
+    return _scaled(np.array([values[name] for name, _ in EGO]), _EGO_SCALE)
 
 
 def neighbour_numbers(state: State, now: Observation, most: int) -> NDArray[np.float32]:
@@ -84,31 +82,36 @@ def neighbour_numbers(state: State, now: Observation, most: int) -> NDArray[np.f
     [most, 10], scaled to -1..1; rows of zeros for absent bodies. Ahead and left are in the ego's axes, along
     and across on the road; speeds are relative to the ego's.
     """
-    found = np.zeros((most, len(NEIGHBOUR)), np.float32)
+    numbers = np.zeros((most, len(NEIGHBOUR)), np.float32)
     offsets = state.poses[1:, :2] - state.poses[0, :2]
     squares = offsets[:, 0] * offsets[:, 0] + offsets[:, 1] * offsets[:, 1]
     near = np.argsort(squares, kind="stable")[:most]
     near = near[squares[near] <= now.visual_range_m * now.visual_range_m]
-    if not len(near):
-        return found
     rows = near + 1
     yaw = float(state.poses[0, 3])
     cos, sin = math.cos(yaw), math.sin(yaw)
     x, y = offsets[near, 0], offsets[near, 1]
-    turns = state.poses[rows, 3] - yaw
     ahead, left = x * cos + y * sin, y * cos - x * sin
     along, across = ahead, left
     if state.places is not None:
         along, across = (state.places[rows] - state.places[0]).T
-    values = np.empty((len(rows), len(NEIGHBOUR)))
-    values[:, 0] = 1.0
-    values[:, 1], values[:, 2], values[:, 3], values[:, 4] = ahead, left, along, across
-    values[:, 7], values[:, 8] = np.cos(turns), np.sin(turns)
-    values[:, 5] = state.speeds[rows] * values[:, 7] - state.speeds[0]
-    values[:, 6] = state.speeds[rows] * values[:, 8]
-    values[:, 9] = state.gaps[rows]
-    found[: len(rows)] = _scaled(values, _NEIGHBOUR_SCALE)
-    return found
+    turns, speeds = state.poses[rows, 3] - yaw, state.speeds[rows]
+    cos_heading, sin_heading = np.cos(turns), np.sin(turns)
+    values = {
+        "present": np.ones(len(rows)),
+        "ahead": ahead,
+        "left": left,
+        "along": along,
+        "across": across,
+        "speed_ahead": speeds * cos_heading - state.speeds[0],
+        "speed_left": speeds * sin_heading,
+        "cos_heading": cos_heading,
+        "sin_heading": sin_heading,
+        "gap": state.gaps[rows],
+    }
+    columns = np.stack([values[name] for name, _ in NEIGHBOUR], axis=1)
+    numbers[: len(rows)] = _scaled(columns, _NEIGHBOUR_SCALE)
+    return numbers
 
 
 def picture(frame: Frame | None, camera: Camera, source: str) -> NDArray[np.uint8]:
@@ -118,10 +121,13 @@ def picture(frame: Frame | None, camera: Camera, source: str) -> NDArray[np.uint
         SimulatorError: If it has another shape or type than the camera's.
     """
     rgb = getattr(frame, "rgb", None)
-    wanted = (camera.height, camera.width, 3)
-    if not isinstance(rgb, np.ndarray) or rgb.shape != wanted or rgb.dtype != np.uint8:
-        found = f"{rgb.dtype} {list(rgb.shape)}" if isinstance(rgb, np.ndarray) else f"{rgb!r:.80}"
-        raise SimulatorError(f"{source} gave a picture of {found}, not of uint8 {list(wanted)}")
+    shape = (camera.height, camera.width, 3)
+    if not isinstance(rgb, np.ndarray):
+        raise SimulatorError(f"{source} gave a picture of {rgb!r:.80}, not of uint8 {list(shape)}")
+    if rgb.shape != shape or rgb.dtype != np.uint8:
+        raise SimulatorError(
+            f"{source} gave a picture of {rgb.dtype} {list(rgb.shape)}, not of uint8 {list(shape)}"
+        )
     return rgb
 
 

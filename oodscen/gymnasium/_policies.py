@@ -49,14 +49,14 @@ class PolicyDriver(Brief):
         step_s: float | None = None,
     ) -> None:
         self.interface = Interface(observation, actions, neighbours, camera, step_s)
-        self._ask, self._source = _asked(policy)
-        self._steerer = ActionDecoder(actions)
+        self._policy = _PolicyFunction(policy)
+        self._decoder = ActionDecoder(actions)
         self._state: State | None = None
-        self._begun: float | None = None
+        self._begun_at: float | None = None
 
     @property
     def wants_frames(self) -> bool:
-        """Return whether the policy sees pictures."""
+        """True if the policy sees pictures."""
         return self.interface.wants_frames
 
     @property
@@ -78,20 +78,20 @@ class PolicyDriver(Brief):
         if self._state is None:
             raise UsageError("PolicyDriver.act(): call look(state) first")
         if self._is_due(observation.time):
-            seen = self.interface.observed(
+            seen = self.interface.observe(
                 self._state, observation, observation.frame, "Observation.frame"
             )
-            with working("driver", self._source):
-                action = self._ask(seen)
-            self._steerer.begin(action, observation, self._source)
-            self._begun = observation.time
-        return self._steerer.control(observation)
+            with working("driver", self._policy.source):
+                action = self._policy(seen)
+            self._decoder.begin(action, observation, self._policy.source)
+            self._begun_at = observation.time
+        return self._decoder.control(observation)
 
     def _is_due(self, time: float) -> bool:
         """Return whether the last action is over; by default, the second time says how long it holds."""
-        if self._begun is None:
+        if self._begun_at is None:
             return True
-        since = round(time - self._begun, 6)
+        since = round(time - self._begun_at, 6)
         if self.interface.step_s is None:
             dt = max(since, _ROUNDING_S)
             self.interface.step_s = nearest_steps(None, dt) * dt
@@ -103,34 +103,52 @@ class PolicyDriver(Brief):
         return late >= -_ROUNDING_S
 
 
-def _asked(policy: Any) -> tuple[Callable[[Any], Any], str]:
-    """Return a function from observations to actions, and its name."""
-    method = getattr(policy, "predict", None)
-    if isinstance(policy, type) or not (callable(method) or callable(policy)):
-        raise UsageError(f"a policy has predict() or is a function; this is {described(policy)}")
-    if not callable(method):
-        name = getattr(policy, "__name__", type(policy).__name__)
-        return lambda seen: _first(policy(seen))[0], f"{name}()"
-    try:
-        known = set(inspect.signature(method).parameters)
-    except (TypeError, ValueError):
-        known = set()
-    memory: list[Any] = [None]
+class _PolicyFunction:
+    """A policy as a function from observations to actions.
 
-    def ask(seen: Any) -> Any:
-        given: dict[str, Any] = {"deterministic": True} if "deterministic" in known else {}
-        if "state" in known:
-            given["state"] = memory[0]
-        if "episode_start" in known:
-            given["episode_start"] = np.array([memory[0] is None])
-        action, memory[0] = _first(method(seen, **given))
+    It keeps the state that a recurrent policy returned until the next call.
+
+    Args:
+        policy: An object with `predict(observation)`, or a function of the observation.
+
+    Raises:
+        UsageError: If it is neither.
+    """
+
+    def __init__(self, policy: Any) -> None:
+        predict = getattr(policy, "predict", None)
+        if isinstance(policy, type) or not (callable(predict) or callable(policy)):
+            raise UsageError(
+                f"a policy has predict() or is a function; this is {described(policy)}"
+            )
+        if callable(predict):
+            self.source = f"{type(policy).__name__}.predict()"
+            """The method that returns the actions, for messages."""
+            self._function, self._keywords = predict, _keywords_of(predict)
+        else:
+            self.source = f"{getattr(policy, '__name__', type(policy).__name__)}()"
+            self._function, self._keywords = policy, frozenset()
+        self._memory: Any = None
+
+    def __call__(self, observation: Any) -> Any:
+        keywords: dict[str, Any] = {}
+        if "deterministic" in self._keywords:
+            keywords["deterministic"] = True
+        if "state" in self._keywords:
+            keywords["state"] = self._memory
+        if "episode_start" in self._keywords:
+            keywords["episode_start"] = np.array([self._memory is None])
+        answer = self._function(observation, **keywords)
+        if not isinstance(answer, tuple) or not answer:
+            return answer
+        action, *rest = answer
+        self._memory = rest[0] if rest else None
         return action
 
-    return ask, f"{type(policy).__name__}.predict()"
 
-
-def _first(answer: Any) -> tuple[Any, Any]:
-    """Return an action and a policy's state, which may be missing."""
-    if isinstance(answer, tuple) and answer:
-        return answer[0], answer[1] if len(answer) > 1 else None
-    return answer, None
+def _keywords_of(function: Callable[..., Any]) -> frozenset[str]:
+    """Return the names of a function's parameters; none if they are not known."""
+    try:
+        return frozenset(inspect.signature(function).parameters)
+    except (TypeError, ValueError):
+        return frozenset()

@@ -41,9 +41,10 @@ class Reward:
             UnknownComponent: If there is no such weight.
             UsageError: If a weight is not a finite number.
         """
-        known = [field.name for field in fields(cls)]
-        if unknown := [name for name in weights if name not in known]:
-            raise UnknownComponent("weight of the reward", str(unknown[0])[:80], known)
+        names = [field.name for field in fields(cls)]
+        for name in weights:
+            if name not in names:
+                raise UnknownComponent("weight of the reward", str(name)[:80], names)
         return cls(**weights)
 
     def __post_init__(self) -> None:

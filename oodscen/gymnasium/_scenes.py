@@ -32,20 +32,21 @@ def chosen_scenes(
     if study is not None and scenes is not None:
         raise UsageError("an environment takes a study or scenes, not both")
     if study is None:
-        found = list(EXAMPLES) if scenes is None else list(scenes)
-        name, seed = "flat", 0
+        chosen = list(EXAMPLES) if scenes is None else list(scenes)
+        simulator_name, seed = "flat", 0
     else:
-        opened = study if isinstance(study, Study) else _opened(study)
-        found, name, seed = opened.scenes, opened.config.simulator, opened.config.seed
-    if not found:
+        study = study if isinstance(study, Study) else _open_study(study)
+        chosen, seed = study.scenes, study.config.seed
+        simulator_name = study.config.simulator
+    if not chosen:
         raise UsageError("an environment needs at least one scene")
-    if len({scene.id for scene in found}) < len(found):
+    if len({scene.id for scene in chosen}) < len(chosen):
         raise UsageError("two scenes of an environment have the same id")
-    found = [fitting(scene).model_copy(deep=True) for scene in found]
-    return found, make_simulator(name if simulator is None else simulator), seed
+    chosen = [fitting(scene).model_copy(deep=True) for scene in chosen]
+    return chosen, make_simulator(simulator_name if simulator is None else simulator), seed
 
 
-def _opened(folder: str | Path) -> Study:
+def _open_study(folder: str | Path) -> Study:
     try:
         return Study.open(folder)
     except (OSError, TypeError, ValueError):

@@ -17,9 +17,14 @@ from oodscen.data._scene import Scene
 from oodscen.judging._items import last_by
 from oodscen.judging._leaderboard.rows import Estimate
 from oodscen.judging._rates_in_words import bracketed, lead, percent
-from oodscen.statistics._intervals import FEWEST_CLUSTERS, Interval, percentiles, share_bounds
+from oodscen.statistics._intervals import (
+    FEWEST_CLUSTERS,
+    Interval,
+    cluster_interval,
+    share_interval,
+)
 from oodscen.statistics._resampling import Resampler
-from oodscen.statistics._significance import PairedTest, paired
+from oodscen.statistics._significance import PairedTest, paired_test
 
 RULE_BASED = "rule-based"
 """Name of the built-in driver that the others are compared with."""
@@ -293,7 +298,7 @@ class _Estimator:
         common = [scene for scene in scenes if scene.scene_id in yardstick]
         if not common:
             return None
-        return paired(
+        return paired_test(
             np.array([passes[scene.scene_id] for scene in common], np.float64),
             np.array([yardstick[scene.scene_id] for scene in common], np.float64),
             [path_of(scene, self._paths) for scene in common],
@@ -312,7 +317,7 @@ class _Estimator:
             hits=hits,
             n=len(values),
             value=round(hits / len(values), 6),
-            interval=share_bounds(hits, len(values), units, replicates),
+            interval=share_interval(hits, len(values), units, replicates),
         )
 
     def mean(
@@ -323,7 +328,7 @@ class _Estimator:
             return Estimate()
         values = np.array([figure(drive) for drive in measured], np.float64)
         replicates, units = self._resampled(measured, values)
-        interval = None if replicates is None else percentiles(replicates, units)
+        interval = None if replicates is None else cluster_interval(replicates, units)
         return Estimate(value=round(float(values.mean()), 6), n=len(values), interval=interval)
 
     def _resampled(

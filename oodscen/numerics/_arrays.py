@@ -18,6 +18,8 @@ from oodscen.numerics._exact import (
 
 _HALF_PI_REST = 6.077100506506192e-11
 """The bits of pi/2 after the first 33, in one number."""
+_QUARTERS_PER_RAD = 0.6366197723675814
+"""Quarter turns per radian, 2/pi."""
 _TIE = 1e-15
 """Distance from a tie, relative to the number, below which a product may lie on its wrong side."""
 
@@ -37,7 +39,7 @@ def sincos_all(angle: Floats) -> tuple[Floats, Floats]:
 
     The last bit may differ from that of `sincos`, but not between machines.
     """
-    turns = np.rint(angle * 0.6366197723675814)
+    turns = np.rint(angle * _QUARTERS_PER_RAD)
     y = (angle - turns * _HALF_PI_HIGH) - turns * _HALF_PI_REST
     z = y * y
     sine = y + y * z * _sine_series(z)
@@ -57,17 +59,17 @@ def rounded(values: Floats) -> Floats:
     """Return numbers rounded to six decimals, with the same bits as `round(value, 6)` for each."""
     with np.errstate(over="ignore", invalid="ignore"):
         scaled = values * 1e6
-        found = np.rint(scaled) / 1e6
+        nearest = np.rint(scaled) / 1e6
         # The product is inexact: near a tie only Python's own rounding shows on which side it is.
         is_clear = np.abs(scaled - np.floor(scaled) - 0.5) > _TIE * np.abs(scaled)
     for index in np.flatnonzero(~is_clear):
-        found[index] = round(float(values[index]), 6)
-    return found
+        nearest[index] = round(float(values[index]), 6)
+    return nearest
 
 
-def interpolated(values: Floats, known: Floats, wanted: Floats) -> Floats:
-    """Return the linear interpolation of `wanted` over the ascending `known` values, also beyond them."""
-    index = np.clip(np.searchsorted(known, values, side="right") - 1, 0, len(known) - 2)
-    low, high = known[index], known[index + 1]
-    part = np.divide(values - low, high - low, out=np.zeros_like(values), where=high > low)
-    return wanted[index] + part * (wanted[index + 1] - wanted[index])
+def interpolated(x: Floats, nodes_x: Floats, nodes_y: Floats) -> Floats:
+    """Return y at every x on the straight lines between two or more nodes of ascending x, also beyond them."""
+    index = np.clip(np.searchsorted(nodes_x, x, side="right") - 1, 0, len(nodes_x) - 2)
+    low, high = nodes_x[index], nodes_x[index + 1]
+    share = np.divide(x - low, high - low, out=np.zeros_like(x), where=high > low)
+    return nodes_y[index] + share * (nodes_y[index + 1] - nodes_y[index])

@@ -30,6 +30,7 @@ _HALF_PI_HIGH = 1.57079632673412561417
 _HALF_PI_MIDDLE = 6.07710050630396597660e-11
 _HALF_PI_LOW = 2.02226624879595063154e-21
 
+_LN2 = 0.6931471805599453
 _LN2_HIGH = 6.93147180369123816490e-01
 _LN2_LOW = 1.90821492927058770002e-10
 
@@ -166,7 +167,7 @@ def exp(x: float) -> float:
         return math.inf
     if x < -700.0:
         return 0.0
-    power = math.floor(x / 0.6931471805599453 + 0.5)
+    power = math.floor(x / _LN2 + 0.5)
     high = x - power * _LN2_HIGH
     low = power * _LN2_LOW
     y = high - low

@@ -31,12 +31,15 @@ Function = TypeVar("Function", bound=Callable[..., object])
 _STRICT = {"fastmath": False, "error_model": "numpy"}
 _PATIENCE_S = 120.0
 """Longest wait, in seconds, for another process that compiles the same kernel."""
-_OWN = "oodscen"
+_PACKAGE = "oodscen"
 """The package whose functions and constants may change between versions."""
 
 _parts: list[Callable[..., object]] = []
+"""All functions that kernels may call."""
 _inlined: set[int] = set()
+"""Ids of those that numba inlines."""
 _registered: set[int] = set()
+"""Ids of those that numba knows already."""
 
 
 class Numbers(Protocol):
@@ -47,9 +50,9 @@ class Numbers(Protocol):
         """Lengths of the axes."""
         ...
 
-    def __getitem__(self, place: Any, /) -> float: ...
+    def __getitem__(self, index: Any, /) -> float: ...
 
-    def __setitem__(self, place: Any, value: float, /) -> None: ...
+    def __setitem__(self, index: Any, value: float, /) -> None: ...
 
 
 class Integers(Protocol):
@@ -60,7 +63,7 @@ class Integers(Protocol):
         """Lengths of the axes."""
         ...
 
-    def __getitem__(self, place: Any, /) -> int: ...
+    def __getitem__(self, index: Any, /) -> int: ...
 
 
 @cache
@@ -109,10 +112,10 @@ class Kernel(Generic[P, R]):
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
         """Run the kernel, compiled on its first call."""
         if self._run is None:
-            return self._first(*args, **kwargs)
+            return self._first_run(*args, **kwargs)
         return self._run(*args, **kwargs)
 
-    def _first(self, *args: P.args, **kwargs: P.kwargs) -> R:
+    def _first_run(self, *args: P.args, **kwargs: P.kwargs) -> R:
         if not is_compiled():
             self._run = self.plain
             return self.plain(*args, **kwargs)
@@ -120,7 +123,7 @@ class Kernel(Generic[P, R]):
 
         compiled = _compiled(self.plain, self._name)
         with (
-            _alone(compiled, self._name),
+            _compile_lock(compiled, self._name),
             event.install_listener("numba:compile", _announcer()),
         ):
             result: R = compiled(*args, **kwargs)
@@ -129,7 +132,7 @@ class Kernel(Generic[P, R]):
 
 
 @contextmanager
-def _alone(compiled: Any, name: str) -> Iterator[None]:
+def _compile_lock(compiled: Any, name: str) -> Iterator[None]:
     """Hold a lock file beside a kernel's cache, or go on without it if another process holds it too long.
 
     There is no lock where numba caches or compiles nothing.
@@ -152,11 +155,11 @@ def _compiled(function: Callable[P, R], name: str) -> Any:
     import numba
     from numba.extending import register_jitable
 
-    for one in _parts:
-        if id(one) not in _registered:
-            _registered.add(id(one))
-            inline = "always" if id(one) in _inlined else "never"
-            register_jitable(inline=inline, **_STRICT)(one)
+    for callee in _parts:
+        if id(callee) not in _registered:
+            _registered.add(id(callee))
+            inline = "always" if id(callee) in _inlined else "never"
+            register_jitable(inline=inline, **_STRICT)(callee)
 
     def entry(*args):  # type: ignore[no-untyped-def]
         return function(*args)  # type: ignore[call-arg]
@@ -176,46 +179,46 @@ def _digest(function: Callable[..., object]) -> str:
 
     numba freezes both at compile time.
     """
-    total = hashlib.sha256()
-    pending, known = [function], {function}
+    pending, reached = [function], {function}
     files: set[str] = set()
     constants: set[str] = set()
-    parts = {id(part) for part in _parts}
+    registered = {id(callee) for callee in _parts}
     while pending:
-        one = pending.pop()
-        files.add(one.__code__.co_filename)
-        for kind in one.__annotations__.values():
-            constants.update(_layouts(kind))
-        for name in _names(one.__code__):
-            value = one.__globals__.get(name)
-            if isinstance(value, ModuleType):
-                if str(value.__name__).startswith(_OWN):
-                    files.add(str(value.__file__))
-                continue
+        caller = pending.pop()
+        files.add(caller.__code__.co_filename)
+        for annotation in caller.__annotations__.values():
+            constants.update(_layouts(annotation))
+        for name in _names(caller.__code__):
+            value = caller.__globals__.get(name)
             if isinstance(value, Kernel):
                 value = value.plain
-            if isinstance(value, FunctionType):
-                if value not in known and (id(value) in parts or value.__module__.startswith(_OWN)):
-                    known.add(value)
+            if isinstance(value, ModuleType):
+                if value.__name__.startswith(_PACKAGE):
+                    files.add(str(value.__file__))
+            elif isinstance(value, FunctionType):
+                is_ours = id(value) in registered or value.__module__.startswith(_PACKAGE)
+                if is_ours and value not in reached:
+                    reached.add(value)
                     pending.append(value)
             elif isinstance(value, EnumType):
                 constants.add(f"{name}={list(value)!r}")
             elif isinstance(value, (bool, int, float, str, tuple, np.generic)):
                 constants.add(f"{name}={value!r}")
+    digest = hashlib.sha256()
     for file in sorted(files):
         if Path(file).is_file():
-            total.update(Path(file).read_bytes())
-    total.update(repr(sorted(constants)).encode())
-    return total.hexdigest()
+            digest.update(Path(file).read_bytes())
+    digest.update(repr(sorted(constants)).encode())
+    return digest.hexdigest()
 
 
-def _layouts(kind: Any) -> Iterator[str]:
-    """Yield the place and the fields of a named tuple's type, and of those within it."""
-    if hasattr(kind, "_fields"):
-        yield f"{kind.__module__}.{kind.__qualname__}={kind._fields!r}"
-        for field in kind.__annotations__.values():
+def _layouts(annotation: Any) -> Iterator[str]:
+    """Yield the full names and the fields of the named tuples in an annotation, those within others included."""
+    if hasattr(annotation, "_fields"):
+        yield f"{annotation.__module__}.{annotation.__qualname__}={annotation._fields!r}"
+        for field in annotation.__annotations__.values():
             yield from _layouts(field)
-    for argument in get_args(kind):
+    for argument in get_args(annotation):
         yield from _layouts(argument)
 
 

@@ -18,11 +18,11 @@ from oodscen.data._catalogue import Catalogue
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import is_twin, twin_id
 from oodscen.data._scene import Scene
+from oodscen.driving._checked_simulator import checked_simulator, scene_copy
 from oodscen.driving._exclusive import exclusive
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._roads.building import load_corridor
-from oodscen.driving._states import kept, watched
 from oodscen.driving._trace import Course, Trace
 from oodscen.errors import OodscenError, SceneError, SimulatorError, UsageError
 from oodscen.protocols import (
@@ -123,7 +123,7 @@ class DrivePlan:
 
     def __init__(self, scene: Scene, simulator: Simulator, seed: int) -> None:
         self.scene = scene
-        self._simulator, self._seed = watched(simulator), seed
+        self._simulator, self._seed = checked_simulator(simulator), seed
         with working("simulator", simulator.name):
             self.steps, self.decision_s, _ = horizon(scene, self._simulator, seed)
 
@@ -167,7 +167,7 @@ class _Drives:
     def of(self, scene: Scene) -> list[DriveResult]:
         """Drive a scene and, if asked to, its twin."""
         try:
-            with kept(scene, self.simulator.name) as given:
+            with scene_copy(scene, self.simulator.name) as given:
                 results = self._both(given)
         except SceneError as error:  # What is no scene has no digest.
             return self._failed(scene, error)
@@ -297,7 +297,7 @@ def drive_states(
         SimulatorError: If the simulator fails, or returns no state or observation of finite numbers.
         Exception: Anything that the driver raises.
     """
-    simulator = watched(simulator)
+    simulator = checked_simulator(simulator)
     steering = Steering(driver, simulator, camera)
     with working("simulator", simulator.name):
         state = simulator.reset(scene, seed)

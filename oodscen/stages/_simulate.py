@@ -27,12 +27,12 @@ from oodscen.data._episode import (
 )
 from oodscen.data._scene import LONGEST_HORIZON_S, Scene
 from oodscen.driving._base_simulator import render_checked
+from oodscen.driving._checked_simulator import checked_simulator, scene_copy
 from oodscen.driving._exclusive import exclusive
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._sight.visibility import is_noticeable, least_area
-from oodscen.driving._states import kept, watched
 from oodscen.driving._trace import Course, Trace, concatenate
 from oodscen.errors import MissingExtra, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Control, Frame, Simulator, State, camera_for
@@ -153,12 +153,12 @@ def simulate(
     if horizon is not None:
         seconds = finite_number("horizon", horizon, 0.1, LONGEST_HORIZON_S)
         scene = scene.model_copy(update={"horizon_s": seconds})
-    with exclusive(simulator), kept(scene, simulator.name) as given:
+    with exclusive(simulator), scene_copy(scene, simulator.name) as given:
         with working("simulator", simulator.name):
             offered = simulator.catalogue()
         catalogue = as_catalogue(offered, simulator.name)
         shown = camera_for(catalogue, camera) if render else None
-        run = _Run(given, watched(simulator), seed, shown, moments, trials)
+        run = _Run(given, checked_simulator(simulator), seed, shown, moments, trials)
         with working("simulator", simulator.name):
             return run.simulated(actions, traces)
 

@@ -16,11 +16,11 @@ from oodscen.data._catalogue import Catalogue
 from oodscen.data._episode import ACTIONS, NOMINAL_REACTION_S
 from oodscen.data._scene import Scene
 from oodscen.driving._base_simulator import render_checked
+from oodscen.driving._checked_simulator import checked_simulator, scene_copy
 from oodscen.driving._exclusive import exclusive
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, ROUNDING_S, is_due
 from oodscen.driving._roads.building import load_corridor
-from oodscen.driving._states import kept, watched
 from oodscen.errors import OodscenError, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Driver, Simulator, State, camera_for
 from oodscen.stages._birds_eye import SIZE, Image, birds_eye, opencv
@@ -129,7 +129,7 @@ def record(
     elif driver is not None:
         now = make_driver(driver)
     used_alone = exclusive(conforming("simulator", simulator))
-    simulator = watched(simulator)
+    simulator = checked_simulator(simulator)
     catalogue = as_catalogue(simulator.catalogue(), simulator.name)
     corridor = load_corridor(scene.map, catalogue)
     camera = camera_for(catalogue, camera)
@@ -144,7 +144,7 @@ def record(
         used_alone,
         reporting(progress) as report_progress,
         Video(path, fps=1.0 / (stride * simulator.dt)) as video,
-        kept(scene, simulator.name) as given,
+        scene_copy(scene, simulator.name) as given,
     ):
         state = simulator.reset(given, seed)
         while True:

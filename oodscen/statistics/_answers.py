@@ -7,9 +7,11 @@ from statistics import NormalDist
 import numpy as np
 
 from oodscen.statistics._intervals import Floats
-from oodscen.statistics._resampling import members
+from oodscen.statistics._resampling import cluster_numbers
 
 _NORMAL = NormalDist()
+_NO_VARIANCE = 1e-15
+"""Variance of answers up to which they are all the same."""
 
 
 def intraclass(values: Floats, clusters: Sequence[str]) -> float | None:
@@ -22,22 +24,27 @@ def intraclass(values: Floats, clusters: Sequence[str]) -> float | None:
     Returns:
         In [0, 1]; `None` if undefined: one cluster, only clusters of one item, or no variance.
     """
-    member = members(len(values), clusters)
-    units = int(member.max(initial=-1)) + 1
+    cluster = cluster_numbers(len(values), clusters)
+    units = int(cluster.max(initial=-1)) + 1
     n = len(values)
     if units < 2 or n <= units:
         return None
-    sizes = np.bincount(member).astype(np.float64)
-    means = np.bincount(member, weights=values) / sizes
+    sizes = np.bincount(cluster).astype(np.float64)
+    means = np.bincount(cluster, weights=values) / sizes
     between = float(sizes @ np.square(means - values.mean())) / (units - 1)
-    within = float(np.square(values - means[member]).sum()) / (n - units)
-    size = (n - float(sizes @ sizes) / n) / (units - 1)
-    total = between + (size - 1) * within
-    return None if total <= 1e-15 else min(max((between - within) / total, 0.0), 1.0)
+    within = float(np.square(values - means[cluster]).sum()) / (n - units)
+    mean_size = (n - float(sizes @ sizes) / n) / (units - 1)
+    total = between + (mean_size - 1) * within
+    if total <= _NO_VARIANCE:
+        return None
+    return min(max((between - within) / total, 0.0), 1.0)
 
 
 def two_proportions(first: float, n_first: float, second: float, n_second: float) -> float:
-    """Return the two-sided p that two shares of different items differ (pooled z test)."""
+    """Return the two-sided p of a difference between two shares of different items (pooled z test).
+
+    `first` of the `n_first` items and `second` of the `n_second`; neither number of items is 0.
+    """
     pooled = (first + second) / (n_first + n_second)
     error = math.sqrt(pooled * (1 - pooled) * (1 / n_first + 1 / n_second))
     if error == 0:
@@ -58,10 +65,10 @@ def d_prime(hits: float, signals: float, alarms: float, noises: float) -> float 
     """
     if not signals or not noises:
         return None
-    more, less = signals / (signals + noises), noises / (signals + noises)
-    return _NORMAL.inv_cdf((hits + more) / (signals + 2 * more)) - _NORMAL.inv_cdf(
-        (alarms + less) / (noises + 2 * less)
-    )
+    of_signals, of_noises = signals / (signals + noises), noises / (signals + noises)
+    hit_rate = (hits + of_signals) / (signals + 2 * of_signals)
+    alarm_rate = (alarms + of_noises) / (noises + 2 * of_noises)
+    return _NORMAL.inv_cdf(hit_rate) - _NORMAL.inv_cdf(alarm_rate)
 
 
 def above_chance(value: float, chance: float) -> float | None:

@@ -1,8 +1,7 @@
 """The area under the ROC curve: how well scores separate two sets.
 
-auroc   share of pairs (x, y) with x < y, ties half. In [0, 1]; 0.5 means no separation, 1 is a perfect order.
-The Mann-Whitney statistic over n m. Misled by sets that also differ in something irrelevant:
-style, length.
+It is the share of pairs (x, y) with x < y, ties half: the Mann-Whitney statistic over n m. 0.5 means no separation,
+1 a perfect order. Sets that also differ in something irrelevant, such as style or length, mislead it.
 """
 
 from collections.abc import Sequence
@@ -12,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._base import Data
-from oodscen.statistics._intervals import Floats, Interval, percentile_interval, percentiles
-from oodscen.statistics._resampling import REPLICATES, Resampler, divided
+from oodscen.statistics._intervals import Floats, Interval, cluster_interval, percentile_interval
+from oodscen.statistics._resampling import REPLICATES, Resampler, quotients
 
 
 class Auroc(Data):
@@ -63,11 +62,11 @@ def auroc_interval(
         others = Resampler(len(ordinary), seed=seed, replicates=replicates, purpose="ordinary")
     interval = None
     if resampler.units > 1 and len(ordinary) > 1:
-        found = _replicates(
-            _ResampledScores(ordinary, others, others.member),
-            _ResampledScores(ood, resampler, resampler.member),
+        areas = _replicates(
+            _ResampledScores(ordinary, others, others.cluster),
+            _ResampledScores(ood, resampler, resampler.cluster),
         )
-        interval = percentile_interval(found, resampler.units, is_clustered=resampler.is_clustered)
+        interval = percentile_interval(areas, resampler.units, is_clustered=resampler.is_clustered)
     return Auroc(
         value=auroc(ordinary, ood),
         interval=interval,
@@ -90,14 +89,14 @@ def auroc_of_items(
     Returns:
         `None` without scores of both kinds.
     """
-    known = np.isfinite(scores)
+    is_scored = np.isfinite(scores)
     noise, signal = (
-        _ResampledScores(scores[mask], resampler, resampler.member[mask])
-        for mask in (known & ~is_signal, known & is_signal)
+        _ResampledScores(scores[is_chosen], resampler, resampler.cluster[is_chosen])
+        for is_chosen in (is_scored & ~is_signal, is_scored & is_signal)
     )
     if not len(noise.scores) or not len(signal.scores):
         return None
-    interval = percentiles(_replicates(noise, signal), resampler.count(known))
+    interval = cluster_interval(_replicates(noise, signal), resampler.count(is_scored))
     return auroc(noise.scores, signal.scores), interval
 
 
@@ -106,7 +105,8 @@ class _ResampledScores(NamedTuple):
 
     scores: Floats
     resampler: Resampler
-    member: NDArray[np.int64]
+    cluster: NDArray[np.int64]
+    """[n], the cluster's number of every score."""
 
 
 def _replicates(noise: _ResampledScores, signal: _ResampledScores) -> Floats:
@@ -114,14 +114,14 @@ def _replicates(noise: _ResampledScores, signal: _ResampledScores) -> Floats:
 
     Pairs are summed by cluster first, so that a replicate costs only a small quadratic form.
     """
-    above = np.sign(signal.scores[:, None] - noise.scores) * 0.5 + 0.5
-    half = np.zeros((signal.resampler.units, above.shape[1]))
-    np.add.at(half, signal.member, above)
+    is_above = np.sign(signal.scores[:, None] - noise.scores) * 0.5 + 0.5
+    half = np.zeros((signal.resampler.units, is_above.shape[1]))
+    np.add.at(half, signal.cluster, is_above)
     wins = np.zeros((noise.resampler.units, signal.resampler.units))
-    np.add.at(wins, noise.member, half.T)
+    np.add.at(wins, noise.cluster, half.T)
     drawn, others = signal.resampler.weights, noise.resampler.weights
-    over = ((others @ wins) * drawn).sum(axis=1)
-    under = (drawn @ np.bincount(signal.member, minlength=signal.resampler.units)) * (
-        others @ np.bincount(noise.member, minlength=noise.resampler.units)
+    wins_drawn = ((others @ wins) * drawn).sum(axis=1)
+    pairs_drawn = (drawn @ np.bincount(signal.cluster, minlength=signal.resampler.units)) * (
+        others @ np.bincount(noise.cluster, minlength=noise.resampler.units)
     )
-    return divided(over, under)
+    return quotients(wins_drawn, pairs_drawn)

@@ -53,8 +53,8 @@ def p_below_many(
     for start in range(0, draws, _BATCH):
         rows = slice(start, start + _BATCH)
         count += (weights[rows] @ gaps + worst[rows, None] <= 0).sum(axis=0)
-    found: Floats = (1 + count) / (1 + draws)
-    return found
+    p_values: Floats = (1 + count) / (1 + draws)
+    return p_values
 
 
 def times_needed(gaps: Floats, least: float, alpha: float, *, seed: int = 0) -> float | None:
@@ -69,14 +69,14 @@ def times_needed(gaps: Floats, least: float, alpha: float, *, seed: int = 0) -> 
         return None
 
     def is_shown(times: float) -> bool:
-        found = p_below_many(gaps[:, None], least, seed=seed, times=times, draws=_PLANNED_DRAWS)
-        return bool(found[0] <= alpha)
+        p_values = p_below_many(gaps[:, None], least, seed=seed, times=times, draws=_PLANNED_DRAWS)
+        return bool(p_values[0] <= alpha)
 
     low, high = 1.0, 2.0
     while not is_shown(high):
-        low, high = high, 2.0 * high
-        if high > MOST_TIMES:
+        if high >= MOST_TIMES:
             return None
+        low, high = high, min(2.0 * high, MOST_TIMES)
     while high - low > _PLANNED_WITHIN * low:
         middle = (low + high) / 2
         low, high = (low, middle) if is_shown(middle) else (middle, high)

@@ -57,10 +57,13 @@ def wilson(hits: float, n: float, *, level: float = Interval.level) -> tuple[flo
     return low, 1.0 if hits >= n else min(middle + half, 1.0)
 
 
-def percentile_interval(replicates: Floats, units: int, *, is_clustered: bool) -> Interval:
-    """Return the interval that holds the middle 95 % of replicates [r], at least one of them finite."""
+def percentile_interval(replicates: Floats, units: int, *, is_clustered: bool) -> Interval | None:
+    """Return the interval that holds the middle 95 % of replicates [r]; `None` if none is finite."""
+    finite = replicates[np.isfinite(replicates)]
+    if not len(finite):
+        return None
     tail = (1 - Interval.level) / 2
-    low, high = np.quantile(replicates[np.isfinite(replicates)], [tail, 1 - tail])
+    low, high = np.quantile(finite, [tail, 1 - tail])
     return Interval(
         low=round(float(low), 6),
         high=round(float(high), 6),
@@ -69,15 +72,15 @@ def percentile_interval(replicates: Floats, units: int, *, is_clustered: bool) -
     )
 
 
-def percentiles(replicates: Floats, units: int) -> Interval | None:
+def cluster_interval(replicates: Floats, units: int) -> Interval | None:
     """Return the interval of clustered replicates [r]; `None` with too few clusters or without spread."""
-    known = replicates[np.isfinite(replicates)]
-    if units < FEWEST_CLUSTERS or not len(known) or np.ptp(known) < _NO_SPREAD:
+    finite = replicates[np.isfinite(replicates)]
+    if units < FEWEST_CLUSTERS or not len(finite) or np.ptp(finite) < _NO_SPREAD:
         return None
-    return percentile_interval(known, units, is_clustered=True)
+    return percentile_interval(finite, units, is_clustered=True)
 
 
-def share_bounds(
+def share_interval(
     hits: float, n: int, units: int, replicates: Floats | None = None
 ) -> Interval | None:
     """Return the interval of `hits` of `n` answers on `units` clusters, from [r] bootstrap replicates if possible.
@@ -89,8 +92,9 @@ def share_bounds(
     if not n:
         return None
     is_rare = min(hits, n - hits) < FEWEST_CLUSTERS
-    clustered = None if replicates is None or is_rare else percentiles(replicates, units)
-    if clustered is not None:
-        return clustered
+    if replicates is not None and not is_rare:
+        interval = cluster_interval(replicates, units)
+        if interval is not None:
+            return interval
     low, high = wilson(hits * units / n, units)
     return Interval(low=round(low, 6), high=round(high, 6), method="wilson", units=units)

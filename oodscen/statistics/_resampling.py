@@ -29,12 +29,12 @@ def blocks(replicates: int, units: int) -> Iterator[int]:
         yield min(step, replicates - done)
 
 
-def members(n: int, clusters: Sequence[str] | None) -> NDArray[np.int64]:
+def cluster_numbers(n: int, clusters: Sequence[str] | None) -> NDArray[np.int64]:
     """Return the cluster number of each of n values, in the order of the labels; without clusters, 0 to n - 1."""
     if clusters is None:
         return np.arange(n)
-    order = {label: number for number, label in enumerate(sorted(set(clusters)))}
-    return np.array([order[label] for label in clusters], np.int64)
+    numbers = {label: number for number, label in enumerate(sorted(set(clusters)))}
+    return np.array([numbers[label] for label in clusters], np.int64)
 
 
 class Resampler:
@@ -58,12 +58,11 @@ class Resampler:
         replicates: int = REPLICATES,
         purpose: str = "clusters",
     ) -> None:
-        self.is_clustered = not isinstance(clusters, int)
-        if isinstance(clusters, int):
-            self.member = members(clusters, None)
-        else:
-            self.member = members(len(clusters), clusters)
-        self.units = int(self.member.max(initial=-1)) + 1
+        n, labels = (clusters, None) if isinstance(clusters, int) else (len(clusters), clusters)
+        self.is_clustered = labels is not None
+        self.cluster = cluster_numbers(n, labels)
+        """[n], the cluster's number of every item."""
+        self.units = int(self.cluster.max(initial=-1)) + 1
         self._replicates = replicates
         self._seed = seed
         self._purpose = purpose
@@ -82,13 +81,15 @@ class Resampler:
 
     def ratios(self, above: Floats, below: Floats) -> Floats:
         """Return [replicates, m] resampled ratios of the sums of [n, m] values; NaN if a denominator is zero."""
-        over, under = self.summed(above), self.summed(below)
-        return np.concatenate([divided(rows @ over, rows @ under) for rows in self.blocks()])
+        sums_above, sums_below = self.summed(above), self.summed(below)
+        return np.concatenate(
+            [quotients(weights @ sums_above, weights @ sums_below) for weights in self.blocks()]
+        )
 
     def summed(self, values: Floats) -> Floats:
         """Return the sums of [n, m] values within clusters: [units, m]."""
         sums = np.zeros((self.units, values.shape[1]))
-        np.add.at(sums, self.member, values)
+        np.add.at(sums, self.cluster, values)
         return sums
 
     def _draws(self) -> Iterator[Floats]:
@@ -100,9 +101,9 @@ class Resampler:
             else:
                 yield np.zeros((size, 0))
 
-    def count(self, is_there: NDArray[np.bool_]) -> int:
+    def count(self, mask: NDArray[np.bool_]) -> int:
         """Return the number of clusters with an item in a mask [n]."""
-        return int((np.bincount(self.member, weights=is_there) > 0).sum())
+        return int((np.bincount(self.cluster, weights=mask) > 0).sum())
 
 
 def bootstrap_mean(
@@ -112,15 +113,15 @@ def bootstrap_mean(
     seed: int = 0,
     replicates: int = REPLICATES,
 ) -> Interval | None:
-    """Return the interval of the mean of [n] values; `None` if fewer than two units can be drawn."""
+    """Return the interval of the mean of [n] finite values; `None` if fewer than two units can be drawn."""
     resampler = _resampler(len(values), clusters, seed, replicates, "mean")
     if resampler.units < 2:
         return None
     column = np.asarray(values, np.float64)[:, None]
     if clusters is None:
         column = np.sort(column, axis=0)
-    found = resampler.ratios(column, np.ones_like(column))[:, 0]
-    return percentile_interval(found, resampler.units, is_clustered=resampler.is_clustered)
+    means = resampler.ratios(column, np.ones_like(column))[:, 0]
+    return percentile_interval(means, resampler.units, is_clustered=resampler.is_clustered)
 
 
 def bootstrap_pairwise(
@@ -137,19 +138,19 @@ def bootstrap_pairwise(
     single text has no pairs and does not count.
 
     Returns:
-        `None` if fewer than two units can be drawn.
+        `None` if fewer than two units can be drawn, or no replicate has a pair.
     """
     resampler = _resampler(len(vectors), clusters, seed, replicates, "pairwise")
     if resampler.units < 2:
         return None
-    wide = vectors.astype(np.float64)
+    rows = vectors.astype(np.float64)
     if clusters is None:
-        wide = wide[np.lexsort(wide.T[::-1])]
-    sums = resampler.summed(wide)
-    sizes = np.bincount(resampler.member, minlength=resampler.units).astype(np.float64)
+        rows = rows[np.lexsort(rows.T[::-1])]
+    sums = resampler.summed(rows)
+    sizes = np.bincount(resampler.cluster, minlength=resampler.units).astype(np.float64)
     lengths = np.square(sums).sum(axis=1)
-    inner = lengths - resampler.summed(np.square(wide)).sum(axis=1)
-    found = []
+    inner = lengths - resampler.summed(np.square(rows)).sum(axis=1)
+    means = []
     for weights in resampler.blocks():
         squared = np.square(weights)
         total = np.square(weights @ sums).sum(axis=1) - squared @ lengths + weights @ inner
@@ -158,9 +159,9 @@ def bootstrap_pairwise(
             - squared @ np.square(sizes)
             + weights @ (sizes * (sizes - 1))
         )
-        found.append(divided(total, pairs))
+        means.append(quotients(total, pairs))
     return percentile_interval(
-        np.concatenate(found), resampler.units, is_clustered=resampler.is_clustered
+        np.concatenate(means), resampler.units, is_clustered=resampler.is_clustered
     )
 
 
@@ -172,6 +173,6 @@ def _resampler(
     )
 
 
-def divided(over: Floats, under: Floats) -> Floats:
-    """Return quotients, NaN where the denominator is zero."""
-    return np.divide(over, under, out=np.full_like(over, np.nan), where=under > _ZERO)
+def quotients(above: Floats, below: Floats) -> Floats:
+    """Return quotients; NaN where the denominator, which is not negative, is zero."""
+    return np.divide(above, below, out=np.full_like(above, np.nan), where=below > _ZERO)

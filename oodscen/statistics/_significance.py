@@ -7,13 +7,14 @@ sorted by their sums.
 
 import math
 from collections.abc import Sequence
+from itertools import compress
 
 import numpy as np
 
 from oodscen._seeding import stream
 from oodscen.data._base import Data
 from oodscen.statistics._intervals import Floats
-from oodscen.statistics._resampling import REPLICATES, blocks, members
+from oodscen.statistics._resampling import REPLICATES, blocks, cluster_numbers
 
 PERMUTATIONS = 10_000
 """Number of random assignments in a permutation test of two sets."""
@@ -65,7 +66,7 @@ def mcnemar(first_only: int, second_only: int) -> tuple[float, float]:
     return exact, 1.0 if first_only == second_only else mid
 
 
-def paired(
+def paired_test(
     first: Floats, second: Floats, clusters: Sequence[str] | None = None, *, seed: int = 0
 ) -> PairedTest:
     """Return the comparison of two answerers on the items that both answered.
@@ -76,22 +77,19 @@ def paired(
         clusters: [n] labels; without them every item is a cluster of its own.
         seed: Seed of the permutations.
     """
-    both = np.isfinite(first) & np.isfinite(second)
-    one, two = first[both], second[both]
-    labels = (
-        None if clusters is None else [c for c, keep in zip(clusters, both, strict=True) if keep]
-    )
-    gap = one - two
-    first_only, second_only = int((gap > 0).sum()), int((gap < 0).sum())
+    has_both = np.isfinite(first) & np.isfinite(second)
+    gaps = first[has_both] - second[has_both]
+    labels = None if clusters is None else list(compress(clusters, has_both))
+    first_only, second_only = int((gaps > 0).sum()), int((gaps < 0).sum())
     exact, mid = mcnemar(first_only, second_only)
     return PairedTest(
-        n=len(gap),
+        n=len(gaps),
         first_only=first_only,
         second_only=second_only,
-        difference=float(gap.mean()) if len(gap) else 0.0,
+        difference=float(gaps.mean()) if len(gaps) else 0.0,
         p_mcnemar=mid,
         p_exact=exact,
-        p_clustered=sign_flip(gap, labels, seed=seed),
+        p_clustered=sign_flip(gaps, labels, seed=seed),
     )
 
 
@@ -109,19 +107,19 @@ def sign_flip(
     """
     sums: Floats = np.zeros(0)
     if len(gaps):
-        sums = np.bincount(members(len(gaps), clusters), weights=gaps).astype(np.float64)
+        sums = np.bincount(cluster_numbers(len(gaps), clusters), weights=gaps).astype(np.float64)
     sums = np.sort(sums[np.abs(sums) > _EQUAL])
     if not len(sums):
         return 1.0
-    seen = abs(float(sums.sum())) - _AS_EXTREME
+    threshold = abs(float(sums.sum())) - _AS_EXTREME
     if len(sums) <= _EXACT_UP_TO:
         patterns = (np.arange(2 ** len(sums))[:, None] >> np.arange(len(sums))) & 1
-        return float((np.abs((2.0 * patterns - 1.0) @ sums) >= seen).mean())
+        return float((np.abs((2.0 * patterns - 1.0) @ sums) >= threshold).mean())
     draws = stream(seed, "permutation", "signs")
     extreme = 0
     for size in blocks(replicates, len(sums)):
         flips = draws.integers(0, 2, size=(size, len(sums)))
-        extreme += int((np.abs((2.0 * flips - 1.0) @ sums) >= seen).sum())
+        extreme += int((np.abs((2.0 * flips - 1.0) @ sums) >= threshold).sum())
     return (extreme + 1) / (replicates + 1)
 
 
@@ -137,23 +135,27 @@ def permutation_test(
 
     Whole clusters change sides; `clusters` holds the labels of either set.
     """
-    parts = []
-    for values, labels in ((a, clusters[0]), (b, clusters[1])):
-        member = members(len(values), labels)
-        own, items = np.bincount(member, weights=values), np.bincount(member)
-        order = np.lexsort((items, own))
-        parts.append((own[order], items[order]))
-    sums, sizes = (np.concatenate(column).astype(np.float64) for column in zip(*parts, strict=True))
-    first = len(parts[0][0])
-    seen = abs(float(a.mean() - b.mean()))
+    sums_a, sizes_a = _cluster_sums(a, clusters[0])
+    sums_b, sizes_b = _cluster_sums(b, clusters[1])
+    sums, sizes = np.concatenate([sums_a, sums_b]), np.concatenate([sizes_a, sizes_b])
+    threshold = abs(float(a.mean() - b.mean())) - _EQUAL
     generator = stream(seed, "permutation")
-    count = 0
+    extreme = 0
     for _ in range(replicates):
-        side = generator.permutation(len(sums))
-        one, other = side[:first], side[first:]
-        gap = sums[one].sum() / sizes[one].sum() - sums[other].sum() / sizes[other].sum()
-        count += abs(float(gap)) >= seen - _EQUAL
-    return (1 + count) / (1 + replicates)
+        order = generator.permutation(len(sums))
+        first, second = order[: len(sums_a)], order[len(sums_a) :]
+        gap = sums[first].sum() / sizes[first].sum() - sums[second].sum() / sizes[second].sum()
+        extreme += abs(float(gap)) >= threshold
+    return (1 + extreme) / (1 + replicates)
+
+
+def _cluster_sums(values: Floats, clusters: Sequence[str] | None) -> tuple[Floats, Floats]:
+    """Return the sums and the sizes of clusters of [n] values, in ascending order."""
+    numbers = cluster_numbers(len(values), clusters)
+    sums = np.bincount(numbers, weights=values).astype(np.float64)
+    sizes = np.bincount(numbers).astype(np.float64)
+    order = np.lexsort((sizes, sums))
+    return sums[order], sizes[order]
 
 
 def holm(values: Sequence[float]) -> list[float]:
@@ -163,9 +165,9 @@ def holm(values: Sequence[float]) -> list[float]:
     (1979).
     """
     order = sorted(range(len(values)), key=lambda index: values[index])
-    found = [1.0] * len(values)
-    worst = 0.0
+    corrected = [1.0] * len(values)
+    largest = 0.0
     for rank, index in enumerate(order):
-        worst = max(worst, min(1.0, (len(values) - rank) * values[index]))
-        found[index] = worst
-    return found
+        largest = max(largest, min(1.0, (len(values) - rank) * values[index]))
+        corrected[index] = largest
+    return corrected

@@ -1,5 +1,7 @@
 """Traces: what states imply, as a table that survives being written."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,7 @@ from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene,
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.projection import places
 from oodscen.driving._trace import Course, Trace, least_time_to_collision
-from oodscen.driving._trace_table import COLUMNS
+from oodscen.driving._trace_table import COLUMNS, from_arrow
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import DataError, FolderTaken, OodscenError, UsageError
 from oodscen.protocols import Control
@@ -141,6 +143,50 @@ def test_files_that_are_no_trace_are_refused(trace, tmp_path):
     for name in ("c.parquet", "missing.parquet"):
         with pytest.raises(DataError):
             Trace.load(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "fault"),
+    [
+        *((column, "abc", "must hold") for column in ("x", "step", "lane", "contact", "off_road")),
+        *((column, "", "some rows have no value") for column in ("x", "step", "time", "contact")),
+        *((column, "2.5", "must hold") for column in ("step", "lane", "contact")),
+        ("y", "1e400", "some rows have no value"),
+        ("id", "", "not every body's"),
+    ],
+)
+def test_a_value_that_a_column_cannot_have_is_refused_and_the_column_named(
+    trace, tmp_path, column, value, fault
+):
+    header, first, *rest = trace.save(tmp_path / "a.csv").read_text().splitlines()
+    cells = first.split(",")
+    cells[list(COLUMNS).index(column)] = value
+    (tmp_path / "b.csv").write_text("\n".join([header, ",".join(cells), *rest]))
+    with pytest.raises(DataError) as caught:
+        Trace.load(tmp_path / "b.csv")
+    ((issue),) = caught.value.issues
+    assert issue.path == column
+    assert fault in issue.message
+
+
+def test_every_faulty_column_is_told(trace):
+    table = trace.to_arrow()
+    rows = len(table)
+    bad = table.set_column(3, "x", [["a"] * rows]).set_column(4, "y", [[None] * rows])
+    bad = bad.set_column(2, "id", [[[1]] * rows])
+    with pytest.raises(DataError) as caught:
+        from_arrow(bad, "memory")
+    assert [issue.path for issue in caught.value.issues] == ["id", "x", "y"]
+    with pytest.raises(DataError, match="2 times"):
+        from_arrow(table.append_column("x", table["x"]), "memory")
+
+
+def test_states_of_another_scene_or_out_of_order_are_refused(states):
+    with pytest.raises(UsageError, match="busy"):
+        Trace.of([*states[:2], replace(states[2], ids=("ego", "a"))], SCENE, FLAT_CATALOGUE)
+    for order in (states[1::-1], [states[0], states[0]]):
+        with pytest.raises(UsageError, match="order"):
+            Trace.of(order, SCENE, FLAT_CATALOGUE)
 
 
 @pytest.mark.parametrize("road", SHIPPED_MAPS, ids=lambda road: road.id)

@@ -328,6 +328,11 @@ def one_step(env):
     env.step([0.0, 0.0])
 
 
+def test_every_step_has_a_frame_rate_that_videos_can_have(made):
+    rates = [made(step_s=step_s).metadata["render_fps"] for step_s in (0.05, 0.5, 10.0)]
+    assert rates == [20, 2, 1]
+
+
 def test_only_a_camera_looks(made):
     env = made()
     env.reset(seed=0)

@@ -35,12 +35,21 @@ def test_numbers_are_rounded_as_python_rounds_them(values: list[float]) -> None:
 
 @given(st.lists(st.floats(-1e3, 1e3), min_size=2, unique=True), st.lists(st.floats(-2e3, 2e3)))
 def test_interpolation_agrees_with_numpy(ends: list[float], values: list[float]) -> None:
-    known = np.sort(ends)
-    wanted = np.sin(known)
-    inside = np.clip(values, known[0], known[-1])
+    nodes = np.sort(ends)
+    heights = np.sin(nodes)
+    inside = np.clip(values, nodes[0], nodes[-1])
     np.testing.assert_allclose(
-        interpolated(inside, known, wanted), np.interp(inside, known, wanted), atol=1e-6
+        interpolated(inside, nodes, heights), np.interp(inside, nodes, heights), atol=1e-6
     )
+
+
+@given(st.floats(0.1, 10.0), st.floats(-5.0, 5.0), st.lists(st.floats(-50.0, 50.0)))
+def test_the_first_and_the_last_line_go_on(span: float, slope: float, values: list[float]) -> None:
+    nodes = np.array([0.0, 0.5 * span, span])
+    at = np.array(values)
+    np.testing.assert_allclose(interpolated(at, nodes, slope * nodes), slope * at, atol=1e-9)
+    steps = interpolated(np.array([-1.0, span]), np.array([0.0, span, span]), np.array([0, 1, 2]))
+    assert np.isfinite(steps).all()
 
 
 @given(st.lists(st.floats(-500, 500), min_size=1))

@@ -5,9 +5,9 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from oodscen.statistics._intervals import (
+    cluster_interval,
     percentile_interval,
-    percentiles,
-    share_bounds,
+    share_interval,
     wilson,
 )
 
@@ -34,23 +34,23 @@ def test_wilson_agrees_with_scipy() -> None:
 
 
 def test_intervals_do_not_pretend_where_all_agree_or_paths_are_few() -> None:
-    perfect = share_bounds(130, 130, 13, np.ones(10))
+    perfect = share_interval(130, 130, 13, np.ones(10))
     assert perfect is not None
     assert (perfect.method, perfect.units) == ("wilson", 13)
     assert perfect.low == pytest.approx(wilson(13, 13)[0], abs=1e-6)
-    few = share_bounds(7, 20, 2, np.linspace(0, 1, 50))
+    few = share_interval(7, 20, 2, np.linspace(0, 1, 50))
     assert few is not None
     assert (few.method, few.units) == ("wilson", 2)
-    assert share_bounds(0, 0, 0) is None
+    assert share_interval(0, 0, 0) is None
 
 
 def test_five_paths_are_enough_for_a_bootstrap_and_four_are_not() -> None:
     found = np.linspace(0.2, 0.8, 50)
-    assert percentiles(found, 4) is None
-    assert percentiles(found, 5) == percentile_interval(found, 5, is_clustered=True)
-    assert share_bounds(7, 20, 5, found) == percentiles(found, 5)
+    assert cluster_interval(found, 4) is None
+    assert cluster_interval(found, 5) == percentile_interval(found, 5, is_clustered=True)
+    assert share_interval(7, 20, 5, found) == cluster_interval(found, 5)
     for hits in (0, 20):
-        few, enough = share_bounds(hits, 20, 4), share_bounds(hits, 20, 5)
+        few, enough = share_interval(hits, 20, 4), share_interval(hits, 20, 5)
         assert few is not None
         assert enough is not None
         assert (few.units, enough.units) == (4, 5)
@@ -59,7 +59,7 @@ def test_five_paths_are_enough_for_a_bootstrap_and_four_are_not() -> None:
 @given(st.integers(1, 12), st.integers(1, 12), st.integers(0, 144))
 def test_without_replicates_a_path_counts_as_one_item(paths: int, each: int, hits: int) -> None:
     n = paths * each
-    found, fewer = share_bounds(hits % (n + 1), n, paths), share_bounds(hits % (n + 1), n, 1)
+    found, fewer = share_interval(hits % (n + 1), n, paths), share_interval(hits % (n + 1), n, 1)
     assert found is not None
     assert fewer is not None
     assert (found.method, found.units) == ("wilson", paths)
@@ -73,7 +73,7 @@ def test_nothing_and_everything_reach_the_ends(n: int) -> None:
     assert wilson(0, n)[0] == 0.0
     assert wilson(n, n)[1] == 1.0
     for hits in (0, n):
-        found = share_bounds(hits, n, min(n, 7))
+        found = share_interval(hits, n, min(n, 7))
         assert found is not None
         assert found.units == min(n, 7)
 
@@ -91,22 +91,22 @@ def test_ends_are_rounded_to_six_digits() -> None:
     ends = [round(end, 6) for end in np.quantile(found, [0.025, 0.975]).tolist()]
     interval = percentile_interval(found, 9, is_clustered=False)
     assert [interval.low, interval.high] == ends
-    shared = share_bounds(7, 20, 3)
+    shared = share_interval(7, 20, 3)
     assert shared is not None
     assert [shared.low, shared.high] == [round(end, 6) for end in wilson(7 * 3 / 20, 3)]
 
 
 def test_replicates_without_spread_or_without_values_give_no_interval() -> None:
-    assert percentiles(np.ones(40), 9) is None
-    assert percentiles(np.full(40, np.nan), 9) is None
+    assert cluster_interval(np.ones(40), 9) is None
+    assert cluster_interval(np.full(40, np.nan), 9) is None
 
 
 @given(st.integers(1, 4), st.integers(5, 80))
 def test_few_hits_are_told_no_more_surely_than_none(hits: int, paths: int) -> None:
     """Replicates cannot have a hit of a path that had none, however many are drawn."""
     n, replicates = 10 * paths, np.linspace(0.0, 2 * hits / (10 * paths), 200)
-    none, few = (share_bounds(count, n, paths, replicates) for count in (0, hits))
-    lost = share_bounds(n - hits, n, paths, 1.0 - replicates)
+    none, few = (share_interval(count, n, paths, replicates) for count in (0, hits))
+    lost = share_interval(n - hits, n, paths, 1.0 - replicates)
     assert none
     assert few
     assert lost

@@ -9,7 +9,7 @@ from oodscen._seeding import stream
 from oodscen.encoders._similarity import unit
 from oodscen.statistics import _resampling
 from oodscen.statistics._answers import intraclass
-from oodscen.statistics._intervals import percentiles, wilson
+from oodscen.statistics._intervals import cluster_interval, wilson
 from oodscen.statistics._resampling import Resampler, bootstrap_mean, bootstrap_pairwise
 
 
@@ -109,6 +109,13 @@ def test_fewer_than_two_units_have_no_interval():
     assert bootstrap_pairwise(np.ones((3, 2), np.float32), ["a"] * 3) is None
 
 
+def test_without_a_pair_in_any_replicate_there_is_no_interval():
+    rows = np.eye(2, dtype=np.float32)
+    lonely = [bootstrap_pairwise(rows, seed=seed, replicates=1) for seed in range(8)]
+    assert None in lonely
+    assert any(lonely)
+
+
 def test_pairs_of_a_text_with_its_own_copy_do_not_count():
     rows = np.eye(8, dtype=np.float32)
     found = bootstrap_pairwise(rows)
@@ -151,11 +158,11 @@ def test_a_clustered_interval_is_wider_where_paths_are_alike() -> None:
     mixed = np.tile(np.arange(10) % 2, 20).astype(float)[:, None]
     resampler = Resampler(clusters)
     ones = np.ones((200, 1))
-    wide = percentiles(resampler.ratios(alike, ones)[:, 0], 20)
+    wide = cluster_interval(resampler.ratios(alike, ones)[:, 0], 20)
     assert wide is not None
     low, high = wilson(100, 200)
     assert wide.high - wide.low > 2 * (high - low)
-    assert percentiles(resampler.ratios(mixed, ones)[:, 0], 20) is None
+    assert cluster_interval(resampler.ratios(mixed, ones)[:, 0], 20) is None
     assert intraclass(alike[:, 0], clusters) == pytest.approx(1)
     assert intraclass(mixed[:, 0], clusters) == 0
 

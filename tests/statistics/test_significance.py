@@ -9,7 +9,7 @@ from scipy import stats
 from statsmodels.stats import contingency_tables
 from statsmodels.stats.multitest import multipletests
 
-from oodscen.statistics._significance import holm, mcnemar, paired, permutation_test, sign_flip
+from oodscen.statistics._significance import holm, mcnemar, paired_test, permutation_test, sign_flip
 
 COUNTS = st.integers(0, 60)
 
@@ -49,7 +49,7 @@ def test_swapping_two_answerers_changes_the_sign_only() -> None:
     first, second = rng.integers(0, 2, (2, 60)).astype(float)
     first[:4] = np.nan
     clusters = [f"path-{index // 5}" for index in range(60)]
-    one, two = paired(first, second, clusters), paired(second, first, clusters)
+    one, two = paired_test(first, second, clusters), paired_test(second, first, clusters)
     assert one.n == two.n == 56
     assert one.difference == pytest.approx(-two.difference)
     assert (one.first_only, one.second_only) == (two.second_only, two.first_only)
@@ -117,8 +117,8 @@ def test_under_no_difference_small_p_values_are_rare():
 def test_a_comparison_flips_whole_paths() -> None:
     first, second = np.ones(40), np.zeros(40)
     clusters = [f"{index // 10}" for index in range(40)]
-    assert paired(first, second, clusters).p_clustered == pytest.approx(2 / 2**4)
-    assert paired(first, second).p_clustered < 0.01
+    assert paired_test(first, second, clusters).p_clustered == pytest.approx(2 / 2**4)
+    assert paired_test(first, second).p_clustered < 0.01
 
 
 @settings(max_examples=20, deadline=None)

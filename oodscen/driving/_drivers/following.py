@@ -1,7 +1,9 @@
 """Car following by the intelligent driver model, which reference drivers share."""
 
 LEAST_DESIRED = 0.1
-"""Least speed that a driver desires, m/s: the model divides by it."""
+"""Least desired speed that the model divides by, m/s."""
+_LEAST_GAP_M = 0.1
+"""Least gap that the model divides by, m."""
 
 
 def following_acceleration(
@@ -28,7 +30,7 @@ def following_acceleration(
         standing_m: Gap at a standstill, m.
         comfortable: Comfortable acceleration and deceleration, m/s^2.
     """
-    wanted = standing_m + max(0.0, speed * headway_s + speed * closing / (2.0 * comfortable))
-    ratio = wanted / max(gap, 0.1)
-    free = (speed / desired) ** 4
-    return comfortable * (1.0 - free - ratio * ratio)
+    moving_m = max(0.0, speed * headway_s + speed * closing / (2.0 * comfortable))
+    gap_ratio = (standing_m + moving_m) / max(gap, _LEAST_GAP_M)
+    free_ratio = (speed / desired) ** 4
+    return comfortable * (1.0 - free_ratio - gap_ratio * gap_ratio)

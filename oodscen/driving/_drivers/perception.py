@@ -69,32 +69,44 @@ class Perception:
         s, t = state.places[:, 0].tolist(), state.places[:, 1].tolist()
         along, across = _speeds(before, state)
         self.across = across[0]
-        found = []
-        for row, name in enumerate(state.ids):
+        accelerations = [0.0] * len(s)
+        if state.accelerations is not None:
+            accelerations = state.accelerations.tolist()
+        neighbours = []
+        for row in range(1, len(s)):
             distance, gap = s[row] - s[0], float(state.gaps[row])
             is_passable = math.isinf(gap) and distance < CERTAIN_M
-            if row == 0 or not 0.0 < distance <= visual_range_m or is_passable:
+            if is_passable or not 0.0 < distance <= visual_range_m:
                 continue
             aside = t[row] - t[0]
-            if math.isinf(gap):
-                ahead = distance - LENGTHS_M
-            else:
-                beside = max(0.0, abs(aside) - WIDTHS_M)
-                ahead = math.sqrt(max(0.0, gap * gap - beside * beside))
-            rates = state.accelerations
-            acceleration = float(rates[row]) if rates is not None else 0.0
-            found.append(
-                Neighbour(name, ahead, aside, t[row], along[row], across[row], acceleration)
+            neighbours.append(
+                Neighbour(
+                    id=state.ids[row],
+                    gap=_gap_along(distance, aside, gap),
+                    aside=aside,
+                    place=t[row],
+                    along=along[row],
+                    across=across[row],
+                    acceleration=accelerations[row],
+                )
             )
-        return found
+        return neighbours
+
+
+def _gap_along(distance: float, aside: float, gap: float) -> float:
+    """Return the gap along the road to a body, m, from its distance along and across it and the gap between boxes."""
+    if math.isinf(gap):
+        return distance - LENGTHS_M
+    beside = max(0.0, abs(aside) - WIDTHS_M)
+    return math.sqrt(max(0.0, gap * gap - beside * beside))
 
 
 def _speeds(before: State | None, state: State) -> tuple[list[float], list[float]]:
     """Return all speeds along and across the road, from headings in the first state of a drive."""
     assert state.places is not None
     if before is not None and before.places is not None and state.time > before.time:
-        moved = (state.places - before.places) / (state.time - before.time)
-        return moved[:, 0].tolist(), moved[:, 1].tolist()
+        speeds_st = (state.places - before.places) / (state.time - before.time)
+        return speeds_st[:, 0].tolist(), speeds_st[:, 1].tolist()
     turns = (state.poses[:, 3] - state.poses[0, 3]).tolist()
     speeds = state.speeds.tolist()
     return (

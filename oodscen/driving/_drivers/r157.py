@@ -25,6 +25,8 @@ RELEASE_TTC_S = 4.0
 """Time to collision above which the driver releases the brake, s."""
 _STILL = 0.1
 """Speed across the road below which a body keeps its place in its lane, m/s."""
+_PASSED_M = 10.0
+"""Way beyond a body's rear after which the ego has passed it, m."""
 _SETTLED_S = 1.0
 """Time after which such a place becomes the body's usual place, s."""
 
@@ -86,9 +88,10 @@ class R157Driver(WatchingDriver):
         for neighbour in seen:
             memory = self._memories.get(neighbour.id)
             if memory is None:
-                memory = self._memories[neighbour.id] = _Memory(neighbour.place, time)
+                memory = _Memory(neighbour.place, time)
                 if neighbour.is_in_the_way:
                     memory.noticed_at = -math.inf
+                self._memories[neighbour.id] = memory
             if abs(neighbour.across) > _STILL:
                 memory.still_since = time
             elif time - memory.still_since >= _SETTLED_S:
@@ -102,32 +105,32 @@ class R157Driver(WatchingDriver):
             elif memory.braked_at is None:
                 memory.braked_at = time
 
-    def _is_risk(self, one: Neighbour, time: float, speed: float) -> bool:
+    def _is_risk(self, neighbour: Neighbour, time: float, speed: float) -> bool:
         """Return whether a body has been evaluated as a risk."""
-        memory = self._memories[one.id]
+        memory = self._memories[neighbour.id]
         if not _is_past(memory.noticed_at, EVALUATION_S, time):
             return False
-        if one.is_in_the_way and _is_past(memory.braked_at, EVALUATION_S, time):
-            if one.gap < HEADWAY_S * speed and one.along < speed:
+        if neighbour.is_in_the_way and _is_past(memory.braked_at, EVALUATION_S, time):
+            if neighbour.gap < HEADWAY_S * speed and neighbour.along < speed:
                 return True
-        elif not one.is_in_the_way and not _arrives(one, speed):
+        elif not neighbour.is_in_the_way and not _arrives(neighbour, speed):
             return False
         limit = RELEASE_TTC_S if self._brake.is_demanded else CRITICAL_TTC_S
-        return one.time_to_collision(speed) < limit
+        return neighbour.time_to_collision(speed) < limit
 
 
-def _approaches(one: Neighbour, memory: _Memory) -> bool:
+def _approaches(neighbour: Neighbour, memory: _Memory) -> bool:
     """Return whether a body beside the ego's way has left its place towards it."""
-    if one.aside * one.across >= 0.0:
+    if neighbour.aside * neighbour.across >= 0.0:
         return False
-    return abs(one.place - memory.home) > WANDER_M
+    return abs(neighbour.place - memory.home) > WANDER_M
 
 
-def _arrives(one: Neighbour, speed: float) -> bool:
+def _arrives(neighbour: Neighbour, speed: float) -> bool:
     """Return whether a body that moves sideways is in the way before the ego has passed it."""
-    closing = speed - one.along
-    passing = (one.gap + 10.0) / closing if closing > 0.0 else math.inf
-    return one.clearance <= abs(one.across) * passing
+    closing = speed - neighbour.along
+    passing_s = (neighbour.gap + _PASSED_M) / closing if closing > 0.0 else math.inf
+    return neighbour.clearance <= abs(neighbour.across) * passing_s
 
 
 def _is_past(since: float | None, seconds: float, time: float) -> bool:

@@ -58,8 +58,8 @@ def longitudinal_distance(rear: float, front: float, parameters: RSSParameters) 
         front: Speed of the vehicle in front, m/s.
         parameters: The assumptions about both.
     """
-    own = _stopping(rear, parameters.least_braking, parameters)
-    return max(0.0, own - front * front / (2.0 * parameters.most_braking))
+    behind = _stopping(rear, parameters.least_braking, parameters)
+    return max(0.0, behind - front * front / (2.0 * parameters.most_braking))
 
 
 def opposing_distance(own: float, oncoming: float, parameters: RSSParameters) -> float:
@@ -127,11 +127,12 @@ class RSSDriver(WatchingDriver):
     """
 
     def __init__(self, **assumptions: float) -> None:
-        known = [field.name for field in fields(RSSParameters)]
-        if unknown := [name for name in assumptions if name not in known]:
-            raise UnknownComponent("setting of rss", unknown[0], known)
+        names = [field.name for field in fields(RSSParameters)]
+        for name in assumptions:
+            if name not in names:
+                raise UnknownComponent("setting of rss", name, names)
         self.parameters = RSSParameters(**assumptions)
-        self._own = replace(self.parameters, lateral_acceleration=0.0)
+        self._of_ego = replace(self.parameters, lateral_acceleration=0.0)
         super().__init__(self.parameters.response_s)
 
     def _emergency(self, seen: Sequence[Neighbour], observation: Observation) -> float:
@@ -141,17 +142,17 @@ class RSSDriver(WatchingDriver):
             friction=observation.friction,
         )
 
-    def _is_dangerous(self, one: Neighbour, speed: float) -> bool:
+    def _is_dangerous(self, neighbour: Neighbour, speed: float) -> bool:
         """Return whether both distances to a body ahead are below their safe ones."""
-        if one.along < _ONCOMING:
-            safe = opposing_distance(speed, -one.along, self.parameters)
+        if neighbour.along < _ONCOMING:
+            safe = opposing_distance(speed, -neighbour.along, self.parameters)
         else:
-            safe = longitudinal_distance(speed, max(0.0, one.along), self.parameters)
-        if one.gap >= safe:
+            safe = longitudinal_distance(speed, max(0.0, neighbour.along), self.parameters)
+        if neighbour.gap >= safe:
             return False
-        own = self._perception.across
-        if one.aside > 0.0:
-            beside = lateral_distance(-one.across, -own, self.parameters, self._own)
+        ego_across = self._perception.across
+        if neighbour.aside > 0.0:
+            safe = lateral_distance(-neighbour.across, -ego_across, self.parameters, self._of_ego)
         else:
-            beside = lateral_distance(-own, -one.across, self._own, self.parameters)
-        return one.clearance < beside
+            safe = lateral_distance(-ego_across, -neighbour.across, self._of_ego, self.parameters)
+        return neighbour.clearance < safe

@@ -58,15 +58,15 @@ class RuleBasedDriver(Brief):
         s, t = state.places[:, 0], state.places[:, 1]
         speed = float(state.speeds[0])
         for row in range(1, len(state.ids)):
-            its_speed = float(state.speeds[row])
+            actor_speed = float(state.speeds[row])
             turn = float(state.poses[row, 3] - state.poses[0, 3])
             aside = float(t[row] - t[0])
-            soon_aside = aside + its_speed * math.sin(turn) * _FORESIGHT_S
+            soon_aside = aside + actor_speed * math.sin(turn) * _FORESIGHT_S
             if s[row] <= s[0] or min(abs(aside), abs(soon_aside)) > self.corridor_m:
                 continue
             if state.gaps[row] < self._gap:
                 self._gap = float(state.gaps[row])
-                self._closing = speed - its_speed * math.cos(turn)
+                self._closing = speed - actor_speed * math.cos(turn)
 
     def act(self, observation: Observation) -> Control:
         """Follow, brake, or keep the speed."""
@@ -84,5 +84,5 @@ class RuleBasedDriver(Brief):
             standing_m=self.standing_m,
             comfortable=self.comfortable,
         )
-        wanted = min(control.acceleration, acceleration)
-        return replace(control, acceleration=max(-_HARDEST, wanted))
+        acceleration = max(-_HARDEST, min(control.acceleration, acceleration))
+        return replace(control, acceleration=acceleration)

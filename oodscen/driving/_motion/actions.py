@@ -10,7 +10,7 @@ from oodscen._display import Brief
 from oodscen._numbers import finite_number
 from oodscen.data._episode import LONGEST_REACTION_S
 from oodscen.driving._motion.bodies import GRAVITY, MAX_STEERING
-from oodscen.driving._motion.car_following import PEAK
+from oodscen.driving._motion.lane_keeping import PEAK
 from oodscen.driving._motion.triggers import ROUNDING_S
 from oodscen.errors import UnknownComponent
 from oodscen.numerics._exact import asin, atan, power, sin, tan
@@ -133,13 +133,13 @@ def follow_plan(plan: Plan, travelled: float, now: SeenRoad) -> tuple[float, flo
     offset, slope, turn = lateral_course(plan, travelled)
     steering, across = _steering(offset, slope, turn, now)
     grip = 0.97 * now.friction * GRAVITY
-    left = math.sqrt(max(0.0, grip * grip - across * across))
-    wanted = -plan.deceleration
+    most = math.sqrt(max(0.0, grip * grip - across * across))
+    acceleration = -plan.deceleration
     if plan.goal >= 0.0:
-        wanted = min(max(1.5 * (plan.goal - now.speed), -2.0), 2.0)
+        acceleration = min(max(1.5 * (plan.goal - now.speed), -2.0), 2.0)
     # Actions ignore the traffic, not the road: they take a roundabout slowly.
-    wanted = min(wanted, 3.0 * (now.curve_speed - now.speed))
-    return min(max(wanted, -left), left), steering
+    acceleration = min(acceleration, 3.0 * (now.curve_speed - now.speed))
+    return min(max(acceleration, -most), most), steering
 
 
 @part
@@ -156,13 +156,13 @@ def _steering(offset: float, slope: float, turn: float, now: SeenRoad) -> tuple[
     # In a curve, the path of the centre differs from the heading by the slip angle.
     slip = asin(min(max(0.5 * wheelbase * ahead, -0.6), 0.6))
     askew = now.heading_error + slip - asin(slope)
-    wanted = ahead - aside / (reach * reach) - 2.0 * sin(askew) / reach
+    bend = ahead - aside / (reach * reach) - 2.0 * sin(askew) / reach
     square = max(speed * speed, 0.01)
     most = 0.92 * now.friction * GRAVITY / square
-    wanted = min(max(wanted, -most), most)
-    slip = asin(min(max(0.5 * wheelbase * wanted, -0.6), 0.6))
+    bend = min(max(bend, -most), most)
+    slip = asin(min(max(0.5 * wheelbase * bend, -0.6), 0.6))
     steering = atan(2.0 * tan(slip))
-    return min(max(steering, -MAX_STEERING), MAX_STEERING), square * wanted
+    return min(max(steering, -MAX_STEERING), MAX_STEERING), square * bend
 
 
 @part

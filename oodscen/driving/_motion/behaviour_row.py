@@ -1,4 +1,4 @@
-"""One row of the table of built-in behaviours: its entry in catalogues, and all that other rooms ask about it."""
+"""One row of the table of built-in behaviours: its entry in catalogues, and all that other packages ask about it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -7,7 +7,7 @@ from typing import Literal
 
 from oodscen.data._catalogue import BehaviourKind, BehaviourParameter
 from oodscen.data._category import Category
-from oodscen.driving._motion.behaviour_kernels import Code
+from oodscen.driving._motion.behaviour_codes import Code
 
 Effect = Literal["", "brakes", "joins", "crosses"]
 """Effects on those behind: an actor slows down, comes into their lane, or crosses the road."""

@@ -1,13 +1,13 @@
 """The built-in behaviours of actors: one row each, with its code, its entry in catalogues and its abilities.
 
-The motion itself is in `oodscen.driving._motion.behaviour_kernels`, one branch per behaviour.
+The motion itself is in `lane_kernels`, `walking_kernels` and `world_kernels`, one branch per behaviour.
 """
 
 from collections.abc import Callable, Mapping
 
 from oodscen.data._catalogue import BehaviourKind, BehaviourParameter
 from oodscen.data._category import Category
-from oodscen.driving._motion.behaviour_kernels import Code
+from oodscen.driving._motion.behaviour_codes import Code
 from oodscen.driving._motion.behaviour_row import BehaviourRow
 
 _ANYBODY: tuple[Category, ...] = (

@@ -6,25 +6,19 @@ another body is carried along at that one's speed; the limit is then that of its
 """
 
 import math
-from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from oodscen._seeding import stream
-from oodscen.data._motion import ABILITIES, EASE, Motion
+from oodscen.data._motion import EASE
 from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.bodies import Situation
 from oodscen.driving._roads.track import centre, point
-from oodscen.numerics._exact import PI, TAU, atan2, quantised, sincos, wrapped
+from oodscen.numerics._exact import PI, atan2, quantised, sincos, wrapped
 from oodscen.numerics._kernels import part
 
 START, LANE, OTHER, EGO = range(4)
-FRAMES = {"start": START, "lane": LANE, "other": OTHER, "ego": EGO}
 TIME, DISTANCE = range(2)
-ARGUMENTS = {"time": TIME, "ego": DISTANCE}
 FIXED, ALONG, AGAINST = range(3)
-FACINGS = {"fixed": FIXED, "along": ALONG, "against": AGAINST}
 STAY, REPEAT, GO_ON = range(3)
-ENDINGS = {"stay": STAY, "repeat": REPEAT, "go_on": GO_ON}
 
 AHEAD, LEFT, UP, YAW, PITCH, ROLL = range(6)
 
@@ -42,9 +36,6 @@ STAGE = col.MEMORY + 5
 WAITING, MOVING, FREE = 0.0, 1.0, 2.0
 """Values of `STAGE`: before its first key, between them, and let go."""
 
-_ROLLING = frozenset({"cyclist", "car", "truck"})
-ROLLING_MPS2 = 0.8
-"""Deceleration of what rolls on when it is let go; other things slide, m/s^2."""
 _UPON_M = 0.3
 """Height above another body's box up to which a body stands on it, m."""
 _EASE = (EASE["time"], EASE["ego"])
@@ -58,25 +49,14 @@ def follow_keys(w: Situation, i: int, waited: float) -> None:
     state, frame = w.state, w.codes[i, col.FRAME]
     if frame != OTHER and waited < w.traits[i, col.DELAY] and not _comes_on(w, i, waited):
         return
-    u = _argument(w, i, waited)
-    place = key_place(w, i, u)
-    x0, y0 = state[i, col.X], state[i, col.Y]
+    argument = _argument(w, i, waited)
+    place = key_place(w, i, argument)
     x, y, base = _target(w, i, place)
-    along, aside = 0.0, 0.0
-    if frame == OTHER and state[i, ABOARD] == 1.0:
-        along, aside = _spot(w, i)
-        along -= x0
-        aside -= y0
-    dx, dy = x - x0, y - y0
-    far = math.sqrt((dx - along) * (dx - along) + (dy - aside) * (dy - aside))
-    most = w.traits[i, col.FASTEST] * w.dt
-    if far > most:
-        dx = along + (dx - along) * most / far
-        dy = aside + (dy - aside) * most / far
-    far = math.sqrt(dx * dx + dy * dy)
+    dx, dy = _limited_move(w, i, x, y)
     if w.codes[i, col.FACING] != FIXED:
-        base = _turned_to(w, i, dx, dy, far)
-    state[i, col.X], state[i, col.Y] = quantised(x0 + dx), quantised(y0 + dy)
+        base = _turned_to(w, i, dx, dy)
+    state[i, col.X] = quantised(state[i, col.X] + dx)
+    state[i, col.Y] = quantised(state[i, col.Y] + dy)
     state[i, col.YAW] = quantised(wrapped(base + key_value(w, place, YAW)))
     low, rise = state[i, col.LIFT], w.traits[i, col.CLIMB] * w.dt
     state[i, col.LIFT] = quantised(min(max(key_value(w, place, UP), low - rise), low + rise))
@@ -86,11 +66,11 @@ def follow_keys(w: Situation, i: int, waited: float) -> None:
     sine, cosine = sincos(state[i, col.YAW])
     state[i, col.SPEED] = quantised((dx * cosine + dy * sine) / w.dt)
     if frame == OTHER:
-        _stand_on(w, i)
+        keep_place_on_other(w, i)
     if waited < 0.0:
         return
     state[i, STAGE] = MOVING
-    if 0.0 <= w.traits[i, col.LET_GO] <= u:
+    if 0.0 <= w.traits[i, col.LET_GO] <= argument:
         # The memory is now that of a falling body.
         state[i, col.MEMORY] = quantised(dx / w.dt)
         state[i, col.MEMORY + 1] = quantised(dy / w.dt)
@@ -99,20 +79,42 @@ def follow_keys(w: Situation, i: int, waited: float) -> None:
 
 
 @part
+def _limited_move(w: Situation, i: int, x: float, y: float) -> tuple[float, float]:
+    """Return an actor's move towards a place in the world, no faster than it can, m.
+
+    What carries it comes on top.
+    """
+    state = w.state
+    dx, dy = x - state[i, col.X], y - state[i, col.Y]
+    carried_x, carried_y = 0.0, 0.0
+    if w.codes[i, col.FRAME] == OTHER and state[i, ABOARD] == 1.0:
+        carried_x, carried_y = _place_on_other(w, i)
+        carried_x -= state[i, col.X]
+        carried_y -= state[i, col.Y]
+    own_x, own_y = dx - carried_x, dy - carried_y
+    distance = math.sqrt(own_x * own_x + own_y * own_y)
+    most = w.traits[i, col.FASTEST] * w.dt
+    if distance > most:
+        dx = carried_x + own_x * most / distance
+        dy = carried_y + own_y * most / distance
+    return dx, dy
+
+
+@part
 def _argument(w: Situation, i: int, waited: float) -> float:
-    """Return the place in the keys at the end of the step."""
+    """Return the argument of an actor's keys at the end of the step: a time, s, or a distance of the ego, m."""
     if waited < 0.0:
         return 0.0
     by, traits = w.codes[i, col.BY], w.traits
-    u = waited + w.dt
+    argument = waited + w.dt
     if by == DISTANCE:
         travelled = w.state[i, TRAVELLED] + max(0.0, w.state[0, col.S] - w.paths[0, col.PATH_S])
-        u = w.state[i, TRAVELLED] = quantised(travelled)
-    u = max(0.0, u - traits[i, col.DELAY]) * traits[i, col.PACE]
-    if w.codes[i, col.THEN] == REPEAT:
-        ease = _EASE[0] if by == TIME else _EASE[1]
-        u = 0.5 * u * u / ease if u < ease else u - 0.5 * ease
-    return u
+        argument = w.state[i, TRAVELLED] = quantised(travelled)
+    argument = max(0.0, argument - traits[i, col.DELAY]) * traits[i, col.PACE]
+    if w.codes[i, col.THEN] != REPEAT:
+        return argument
+    ease = _EASE[0] if by == TIME else _EASE[1]
+    return 0.5 * argument * argument / ease if argument < ease else argument - 0.5 * ease
 
 
 class KeyPlace(NamedTuple):
@@ -127,19 +129,20 @@ class KeyPlace(NamedTuple):
 
 
 @part
-def key_place(w: Situation, i: int, u: float) -> KeyPlace:
-    """Return the place of an actor in its keys."""
+def key_place(w: Situation, i: int, argument: float) -> KeyPlace:
+    """Return the place of an actor in its keys at a time, s, or a distance of the ego, m."""
     keys, first = w.traits, w.codes[i, col.KEY]
     last = first + w.codes[i, col.KEYS] - 1
     end = keys[last, col.AT]
-    if u >= end:
+    if argument >= end:
         if w.codes[i, col.THEN] != REPEAT:
-            return KeyPlace(last, 0.0, u - end)
-        u -= end * math.floor(u / end)
+            return KeyPlace(last, 0.0, argument - end)
+        argument -= end * math.floor(argument / end)
     k = first
-    while k + 1 < last and keys[k + 1, col.AT] <= u:
+    while k + 1 < last and keys[k + 1, col.AT] <= argument:
         k += 1
-    return KeyPlace(k, (u - keys[k, col.AT]) / (keys[k + 1, col.AT] - keys[k, col.AT]), 0.0)
+    share = (argument - keys[k, col.AT]) / (keys[k + 1, col.AT] - keys[k, col.AT])
+    return KeyPlace(k, share, 0.0)
 
 
 @part
@@ -151,11 +154,12 @@ def key_value(w: Situation, place: KeyPlace, axis: int) -> float:
         # The slope at the end is 0 unless the motion goes on.
         return start + keys[k, col.SLOPE + axis] * place.beyond
     stop, span = keys[k + 1, col.POSE + axis], keys[k + 1, col.AT] - keys[k, col.AT]
-    one, two = keys[k, col.SLOPE + axis] * span, keys[k + 1, col.SLOPE + axis] * span
+    slope_start = keys[k, col.SLOPE + axis] * span
+    slope_stop = keys[k + 1, col.SLOPE + axis] * span
     rise = stop - start
-    cubic = one + two - 2.0 * rise
-    square = 3.0 * rise - 2.0 * one - two
-    return start + share * (one + share * (square + share * cubic))
+    cubic = slope_start + slope_stop - 2.0 * rise
+    square = 3.0 * rise - 2.0 * slope_start - slope_stop
+    return start + share * (slope_start + share * (square + share * cubic))
 
 
 @part
@@ -196,8 +200,8 @@ def _target(w: Situation, i: int, place: KeyPlace) -> tuple[float, float, float]
 
 
 @part
-def _spot(w: Situation, i: int) -> tuple[float, float]:
-    """Return where in the world the place is now at which an actor stood on another body."""
+def _place_on_other(w: Situation, i: int) -> tuple[float, float]:
+    """Return x and y now of the place at which an actor stood on another body, m."""
     state, other = w.state, w.codes[i, col.OTHER]
     sine, cosine = sincos(state[other, col.YAW])
     along, aside = state[i, HELD], state[i, HELD + 1]
@@ -208,7 +212,7 @@ def _spot(w: Situation, i: int) -> tuple[float, float]:
 
 
 @part
-def _stand_on(w: Situation, i: int) -> None:
+def keep_place_on_other(w: Situation, i: int) -> None:
     """Keep an actor's place on another body; once it has left that one's box, it is carried no more."""
     state, traits, other = w.state, w.traits, w.codes[i, col.OTHER]
     sine, cosine = sincos(state[other, col.YAW])
@@ -251,85 +255,12 @@ def _hold(w: Situation, i: int) -> None:
 
 
 @part
-def _turned_to(w: Situation, i: int, dx: float, dy: float, far: float) -> float:
-    """Turn an actor towards its way, or its back to it, and return the heading."""
+def _turned_to(w: Situation, i: int, dx: float, dy: float) -> float:
+    """Turn an actor towards its move, or its back to it, and return the heading."""
     course = w.state[i, COURSE]
-    if far > _MOVING_MPS * w.dt:
+    if math.sqrt(dx * dx + dy * dy) > _MOVING_MPS * w.dt:
         goal = atan2(dy, dx) + (PI if w.codes[i, col.FACING] == AGAINST else 0.0)
         most = w.traits[i, col.SPINNIEST] * w.dt
         course = quantised(wrapped(course + min(max(wrapped(goal - course), -most), most)))
         w.state[i, COURSE] = course
     return course
-
-
-# ------------------------------------------------------------------ compiling
-
-
-def key_table(motions: Sequence[Motion], bodies: int) -> tuple[list[list[float]], dict[str, int]]:
-    """Return the rows of `Situation.traits` below the bodies, and the first row of each motion by its id."""
-    rows: list[list[float]] = []
-    firsts = {}
-    for motion in motions:
-        track = motion.track()
-        firsts[motion.id] = bodies + len(rows)
-        rows += [
-            [at, *pose, *slopes]
-            for at, pose, slopes in zip(track.at, track.poses, track.slopes, strict=True)
-        ]
-        if len(track.at) == 1:
-            rows.append([1.0, *track.poses[0], *track.slopes[0]])
-    return rows, firsts
-
-
-def key_codes(motion: Motion, first: int) -> list[int]:
-    """Return the columns of `Situation.codes` from `KEY` on."""
-    return [
-        first,
-        max(2, len(motion.poses())),
-        FRAMES[motion.frame],
-        ARGUMENTS[motion.by],
-        FACINGS[motion.facing],
-        ENDINGS[motion.then],
-        int(motion.is_tilting or any(pose.up < 0.0 for pose in motion.poses())),
-    ]
-
-
-def key_traits(motion: Motion, actor: str, seed: int) -> Mapping[int, float]:
-    """Return the columns of `Situation.traits` of an actor that moves so."""
-    drawn = stream(seed, "motion", actor)
-    delay, pace = float(drawn.uniform(0.0, 1.0)), float(drawn.uniform(-1.0, 1.0))
-    able = ABILITIES[motion.body]
-    return {
-        col.PIVOT: motion.pivot_m,
-        col.DELAY: quantised(motion.delay * delay),
-        col.PACE: quantised(1.0 + motion.pace * pace),
-        col.LET_GO: -1.0 if motion.let_go is None else motion.let_go,
-        col.FASTEST: motion.fastest,
-        col.CLIMB: able.climb,
-        col.SPINNIEST: able.spin * TAU / 360.0,
-        col.DECELERATION: ROLLING_MPS2 if motion.body in _ROLLING else 0.0,
-    }
-
-
-def pose_first(w: Situation, i: int) -> bool:
-    """Put an actor into the first of its key poses, and return whether it goes with another body."""
-    state, traits, frame = w.state, w.traits, w.codes[i, col.FRAME]
-    if frame in (START, LANE):
-        traits[i, col.APART_X], traits[i, col.APART_Y] = state[i, col.X], state[i, col.Y]
-        traits[i, col.APART_YAW] = state[i, col.YAW if frame == START else col.HEADING]
-    state[i, COURSE] = state[i, col.YAW]
-    first = w.codes[i, col.KEY]
-    values = [w.traits[first, col.POSE + axis] for axis in range(6)]
-    if frame != OTHER:
-        state[i, col.YAW] = quantised(wrapped(state[i, col.YAW] + values[YAW]))
-        state[i, col.HEADING] = quantised(wrapped(state[i, col.HEADING] + values[YAW]))
-    if frame in (START, LANE) and w.codes[i, col.THEN] != REPEAT:
-        sine, cosine = sincos(values[YAW])
-        along, aside = (w.traits[first, col.SLOPE + axis] for axis in (AHEAD, LEFT))
-        state[i, col.SPEED] = quantised((along * cosine + aside * sine) * traits[i, col.PACE])
-    state[i, col.LIFT] = quantised(values[UP])
-    state[i, col.PITCH], state[i, col.ROLL] = quantised(values[PITCH]), quantised(values[ROLL])
-    if frame == OTHER:
-        state[i, ABOARD] = 1.0
-        _stand_on(w, i)
-    return bool(frame == OTHER)

@@ -9,12 +9,15 @@ from oodscen._seeding import stream
 from oodscen.data._catalogue import BehaviourKind, Catalogue
 from oodscen.data._scene import DARK_DEG, Actor, Scene
 from oodscen.driving._motion import columns as col
-from oodscen.driving._motion.behaviour_kernels import IN_WORLD, Code, stand_in_world, stand_on_road
+from oodscen.driving._motion.behaviour_codes import IN_WORLD, Code
+from oodscen.driving._motion.behaviour_kernels import stand_in_world, stand_on_road
 from oodscen.driving._motion.behaviour_row import BehaviourRow
 from oodscen.driving._motion.behaviours import ATTACHED, BUILT_IN, QUICKNESS
 from oodscen.driving._motion.bodies import Situation
-from oodscen.driving._motion.car_following import curve_speed, grip
-from oodscen.driving._motion.keyframes import ABOARD, key_codes, key_table, key_traits, pose_first
+from oodscen.driving._motion.car_following import curve_speed
+from oodscen.driving._motion.key_tables import key_codes, key_table, key_traits, pose_first
+from oodscen.driving._motion.keyframes import ABOARD
+from oodscen.driving._motion.lane_keeping import grip
 from oodscen.driving._motion.triggers import CODES
 from oodscen.driving._roads.corridor import Corridor, ego_strip, neighbour_strip
 from oodscen.driving._roads.track import for_kernels

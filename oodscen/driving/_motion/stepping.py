@@ -212,8 +212,7 @@ def look(w: Situation, lane: int) -> SeenRoad:
     reach = max(12.0, 2.5 * speed, 0.5 * speed * speed / braking)
     roadside = -math.inf
     for k in range(1 if w.track.is_even else _SAMPLES):
-        place = roadside_at(w, lane, s + reach * k / (_SAMPLES - 1.0))
-        roadside = max(roadside, place)
+        roadside = max(roadside, roadside_at(w, lane, s + reach * k / (_SAMPLES - 1.0)))
     return SeenRoad(
         speed,
         t - middle,

@@ -76,11 +76,13 @@ def value_in(trigger: Trigger, state: State, corridor: Corridor) -> float:
 
 def _between(actor: str, state: State, corridor: Corridor) -> tuple[float, float, float]:
     """Return the distance from the ego to an actor along the road, and the speeds of both along it."""
-    row = state.ids.index(actor)
-    places = []
-    for index in (0, row):
-        x, y, _, yaw = map(float, state.poses[index])
-        s = corridor.locate(x, y)[0] if state.places is None else float(state.places[index, 0])
-        places.append((s, float(state.speeds[index]) * corridor.alignment(s, yaw)))
-    (ego_s, ego_speed), (actor_s, actor_speed) = places
+    ego_s, ego_speed = _along(0, state, corridor)
+    actor_s, actor_speed = _along(state.ids.index(actor), state, corridor)
     return actor_s - ego_s, ego_speed, actor_speed
+
+
+def _along(row: int, state: State, corridor: Corridor) -> tuple[float, float]:
+    """Return s of a body, m, and its speed along the road, m/s."""
+    x, y, _, yaw = map(float, state.poses[row])
+    s = corridor.locate(x, y)[0] if state.places is None else float(state.places[row, 0])
+    return s, float(state.speeds[row]) * corridor.alignment(s, yaw)

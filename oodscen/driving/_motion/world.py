@@ -45,7 +45,7 @@ class WorldSnapshot(NamedTuple):
 
     step: int
     state: bytes
-    run: str = ""
+    run: str
     """Fingerprint of the scene and the seed that it belongs to."""
 
     def __repr__(self) -> str:
@@ -122,8 +122,6 @@ class KinematicWorld(Brief):
         self.visual_range = self._situation.visual_range
         see_paths(self._situation)
         pull_triggers(self._situation, 0.0)
-
-    # ------------------------------------------------------------------ published state
 
     @property
     def time(self) -> float:
@@ -239,8 +237,6 @@ class KinematicWorld(Brief):
         except (KeyError, TypeError):
             raise UnknownComponent("body", str(body), self.ids) from None
 
-    # ------------------------------------------------------------------ motion
-
     def step(self, control: Control) -> None:
         """Advance by one `dt`."""
         advance(
@@ -269,8 +265,8 @@ class KinematicWorld(Brief):
     @cached_property
     def _run(self) -> str:
         """A fingerprint of what is run: the scene, the seed and the length of a step."""
-        known = f"{self.scene.model_dump_json()} {self._seed} {self.dt!r}"
-        return hashlib.sha256(known.encode()).hexdigest()
+        run = f"{self.scene.model_dump_json()} {self._seed} {self.dt!r}"
+        return hashlib.sha256(run.encode()).hexdigest()
 
     def snapshot(self) -> WorldSnapshot:
         """Return all changing state."""
@@ -301,7 +297,12 @@ class KinematicWorld(Brief):
             action: Id of a discrete action.
             variation: The driver's reaction time, the road's friction and the ego's speed.
             seconds: Time for which the action is watched, s.
+
+        Raises:
+            UnknownComponent: If there is no such action.
         """
+        if action not in actions.CODES:
+            raise UnknownComponent("action", str(action), actions.CODES)
         start = self._state.copy()
         line = self.scene.stop_line
         begins_s = (
@@ -380,11 +381,11 @@ class KinematicWorld(Brief):
 def _finite(name: str, values: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[np.float64]:
     """Return an array of finite numbers of this shape, or raise a `UsageError` that names it."""
     try:
-        found = np.asarray(values, np.float64)
-    except (TypeError, ValueError):
+        array = np.asarray(values, np.float64)
+    except (TypeError, ValueError, OverflowError):
         raise UsageError(f"{name} must be numbers, not {said(values)}") from None
-    if found.shape != shape:
-        raise UsageError(f"{name} must be of shape {shape}, not {found.shape}")
-    if not np.isfinite(found).all():
-        raise UsageError(f"{name} must be finite numbers, not {said(found.tolist())}")
-    return found
+    if array.shape != shape:
+        raise UsageError(f"{name} must be of shape {shape}, not {array.shape}")
+    if not np.isfinite(array).all():
+        raise UsageError(f"{name} must be finite numbers, not {said(array.tolist())}")
+    return array

@@ -47,8 +47,9 @@ _NAMED, _LONGEST_NAME = 20, 40
 def load_corridor(road_map: RoadMap | str, catalogue: Catalogue | None = None) -> Corridor:
     """Return the road that the ego drives on a map; `Corridor.load` tells arguments and errors."""
     instance_of("road_map", road_map, str, RoadMap)
-    found = find_map(road_map, catalogue) if isinstance(road_map, str) else road_map
-    return _corridor(read_map(found.file), found)
+    if isinstance(road_map, str):
+        road_map = find_map(road_map, catalogue)
+    return _corridor(read_map(road_map.file), road_map)
 
 
 def find_map(name: str, catalogue: Catalogue | None = None) -> RoadMap:
@@ -127,8 +128,8 @@ def _sampled_route(
 ) -> Corridor:
     network = _network(data, source)
     if road_id and road_id not in network.roads:
-        known = ", ".join(name[:_LONGEST_NAME] for name in list(network.roads)[:_NAMED])
-        raise _fault(source, "road", f"no road {road_id!r}; the file has: {known}")
+        names = ", ".join(name[:_LONGEST_NAME] for name in list(network.roads)[:_NAMED])
+        raise _fault(source, "road", f"no road {road_id!r}; the file has: {names}")
     road = network.roads[road_id] if road_id else next(iter(network.roads.values()))
     if not 0.0 <= start <= road.length:
         why = f"{start:g} m is not on the road, which is {road.length:g} m long"
@@ -185,15 +186,19 @@ def build_route(network: Network, legs: Sequence[Leg], *, index: int, start_m: f
 
 def _others(roads: Sequence[Road], corridor: Corridor) -> list[OtherRoad]:
     """Return the roads near a corridor, in the order given, as far as there is room for them."""
-    room = _MAX_OTHERS_M
-    kept: dict[str, OtherRoad] = {}
+    room_m = _MAX_OTHERS_M
+    others: dict[str, OtherRoad] = {}
     for road in roads_by_distance(roads, corridor):
-        room -= road.length
-        if room < 0.0:
+        room_m -= road.length
+        if room_m < 0.0:
             break
-        is_connecting = bool(road.junction)
-        kept[road.id] = OtherRoad(build_corridor(road), road.id, is_connecting, road.junction)
-    return [kept[road.id] for road in roads if road.id in kept]
+        others[road.id] = OtherRoad(
+            corridor=build_corridor(road),
+            road_id=road.id,
+            is_connecting=bool(road.junction),
+            junction=road.junction,
+        )
+    return [others[road.id] for road in roads if road.id in others]
 
 
 def _sampled(network: Network, legs: Sequence[Leg], index: int, start_m: float) -> Corridor:
@@ -203,17 +208,17 @@ def _sampled(network: Network, legs: Sequence[Leg], index: int, start_m: float) 
     length = begins[-1]
     count = max(2, math.ceil(length / SAMPLE_STEP_M - _ROUNDING) + 1)
     along = length * np.arange(count) / (count - 1)
-    number = np.searchsorted(begins[1:-1], along, side="right")
-    own = np.empty(count)
+    leg_numbers = np.searchsorted(begins[1:-1], along, side="right")
+    road_s = np.empty(count)
     columns = np.empty((6, count))
-    for place, (track, begin) in enumerate(zip(tracks, begins[:-1], strict=True)):
-        here = number == place
-        own[here] = track.own(along[here] - begin)
-        columns[:, here] = track.points(own[here])
+    for number, (track, begin) in enumerate(zip(tracks, begins[:-1], strict=True)):
+        is_on_leg = leg_numbers == number
+        road_s[is_on_leg] = track.own(along[is_on_leg] - begin)
+        columns[:, is_on_leg] = track.points(road_s[is_on_leg])
     x, y, z, cosine, sine, curvature = (freeze(rounded(column)) for column in columns)
-    in_junction = np.array([bool(leg.road.junction) for leg in legs])[number]
+    in_junction = np.array([bool(leg.road.junction) for leg in legs])[leg_numbers]
     in_junction.setflags(write=False)
-    places = Places(number, own, [track.shift for track in tracks])
+    places = Places(leg_numbers, road_s, [track.shift for track in tracks])
     start = begins[index] + tracks[index].from_start(start_m)
     strips = build_strips(
         network, legs, places, in_junction, step=length / (count - 1), start=start

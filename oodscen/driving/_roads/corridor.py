@@ -158,6 +158,14 @@ class Corridor(Brief):
     """s of the last sample, m."""
     track: Track = field(init=False, repr=False)
     """The corridor as arrays, for kernels."""
+    _plain: Track = field(init=False, repr=False)
+    """The same arrays in a form that plain Python indexes quickly."""
+    _around: list[Ranges] = field(init=False, repr=False)
+    """Ranges of t on other roads, by sample."""
+    _tracks: dict[int, list[tuple[float, float]]] = field(
+        init=False, default_factory=dict, repr=False
+    )
+    """Ranges of t on the rails of other roads, by sample."""
 
     @classmethod
     def load(cls, road_map: RoadMap | str, catalogue: Catalogue | None = None) -> "Corridor":
@@ -197,47 +205,36 @@ class Corridor(Brief):
             if strip.kind == "driving" and strip.left[start] - strip.right[start] > 0.5
         ]
         put(self, "driving", tuple(driving))
-        own = _intervals(self.strips)
-        self._follow(own)
+        drivable = _intervals(self.strips)
+        self._build_tracks(drivable)
         around: list[Ranges] = [()] * len(self.s)
         if self.others:
-            bands = [one for other in self.others for one in self._bands(other.corridor)]
+            bands = [band for other in self.others for band in self._bands(other.corridor)]
             count = len(self.s)
             roads = [band for kind, band in bands if kind in DRIVABLE]
             for sample, ranges in covered_ranges(roads, self.step, count).items():
-                own[sample] = union_of(own[sample], ranges)
+                drivable[sample] = union_of(drivable[sample], ranges)
             every = covered_ranges((band for _, band in bands), self.step, count)
             for sample, ranges in every.items():
                 around[sample] = tuple(ranges)
-            self._follow(own)
+            self._build_tracks(drivable)
             tracks = [band for kind, band in bands if kind == "rail"]
             put(self, "_tracks", covered_ranges(tracks, self.step, count))
         put(self, "_around", around)
-
-    _plain: Track = field(init=False, repr=False)
-    """The same arrays in a form that plain Python indexes quickly."""
-    _around: list[Ranges] = field(init=False, repr=False)
-    _tracks: dict[int, list[tuple[float, float]]] = field(
-        init=False, default_factory=dict, repr=False
-    )
 
     @property
     def ego_lanes(self) -> tuple[int, ...]:
         """Indices of the strips where the ego may start, from right to left."""
         return tuple(index for index in self.driving if self.strips[index].direction > 0)
 
-    def _follow(self, drivable: Sequence[Ranges]) -> None:
-        """Build the arrays for look-ups."""
+    def _build_tracks(self, drivable: Sequence[Ranges]) -> None:
+        """Build the arrays for look-ups from the drivable ranges of t at every sample."""
         norm = np.sqrt(self.cos * self.cos + self.sin * self.sin)
         columns = (self.x, self.y, self.z, self.cos / norm, self.sin / norm, self.curvature)
         track = pack(
             np.stack(columns, axis=1),
             np.stack(
-                [
-                    side
-                    for lane_strip in self.strips
-                    for side in (lane_strip.right, lane_strip.left)
-                ],
+                [edge for strip in self.strips for edge in (strip.right, strip.left)],
                 axis=1,
             ),
             drivable,
@@ -366,8 +363,8 @@ class Corridor(Brief):
             s: Position along the corridor, m.
             side: +1 for left, -1 for right.
         """
-        found = look.neighbour(self._plain, strip, s, side)
-        return None if found < 0 else found
+        index = look.neighbour(self._plain, strip, s, side)
+        return None if index < 0 else index
 
     def _bands(self, road: "Corridor") -> list[tuple[StripKind, OverlapStrip]]:
         """Return the strips of a nearby road, each with its kind."""
@@ -406,9 +403,7 @@ def _intervals(strips: Sequence[LaneStrip]) -> list[Ranges]:
     count = len(strips[0].right) if strips else 0
     if not drivable:
         return [()] * count
-    edges = np.stack(
-        [side for lane_strip in drivable for side in (lane_strip.right, lane_strip.left)]
-    )
+    edges = np.stack([edge for strip in drivable for edge in (strip.right, strip.left)])
     changes = np.flatnonzero((edges[:, 1:] != edges[:, :-1]).any(axis=0)) + 1
     ranges_of: list[Ranges] = []
     for first, last in pairwise([0, *changes.tolist(), count]):
@@ -440,10 +435,9 @@ def neighbour_strip(corridor: Corridor, strip: int, lanes: int) -> int:
         ValueError: If there is no such lane.
     """
     driving = corridor.driving
-    place = driving.index(strip) + lanes
-    if not 0 <= place < len(driving):
-        here = driving.index(strip)
+    origin = driving.index(strip)
+    if not 0 <= origin + lanes < len(driving):
         raise ValueError(
-            f"there is no lane {lanes:+d}; from here they are {-here}..{len(driving) - 1 - here}"
+            f"there is no lane {lanes:+d}; from here they are {-origin}..{len(driving) - 1 - origin}"
         )
-    return driving[place]
+    return driving[origin + lanes]

@@ -20,7 +20,7 @@ MarkChange = tuple[int, str, str]
 
 _BRIDGED = frozenset({"driving", "shoulder", "median"})
 """Kinds of strips that continue through a junction even if its connecting road lacks them."""
-_MAX_WIDTH = 100.0
+_MAX_WIDTH_M = 100.0
 _MAX_STRIPS = 150
 _MAX_EDGES = 2_500_000
 """Maximum number of strips times samples."""
@@ -111,51 +111,59 @@ def build_strips(
     ]
     for run in runs:
         _measure(run, places, sides)
-    wanted = [_drawn_through(chain, in_junction) for chain in chains]
+    edges_through = [_drawn_through(chain, in_junction) for chain in chains]
     for run in runs:
-        _fill(chains, wanted, run.part)
-    rows = _marks(sides[-1], -1, runs)[::-1] + _marks(sides[1], 1, runs)
-    keeps = -1 if legs[0].road.left_hand else 1
-    strips: list[LaneStrip] = []
-    for chain, changes in zip(chains, rows, strict=True):
-        is_way = chain.kind in ("driving", "shoulder", "parking")
-        along = -chain.side * keeps * (-1 if chain.reversed else 1)
-        spans = tuple((round(index * step, 6), left, right) for index, left, right in changes)
-        _, mark, right_mark = next((row for row in spans[::-1] if row[0] <= start), spans[0])
-        strips.append(
-            LaneStrip(
-                kind=chain.kind,
-                direction=along if is_way else 0,
-                right=freeze(chain.right),
-                left=freeze(chain.left),
-                mark=mark,
-                right_mark=right_mark,
-                mark_changes=spans if len(spans) > 1 else (),
-            )
-        )
-    return strips
+        _fill(chains, edges_through, run.part)
+    marks = _marks(sides[-1], -1, runs)[::-1] + _marks(sides[1], 1, runs)
+    left_hand = legs[0].road.left_hand
+    return [
+        _strip(chain, changes, left_hand=left_hand, step=step, start=start)
+        for chain, changes in zip(chains, marks, strict=True)
+    ]
+
+
+def _strip(
+    chain: _Chain, changes: Sequence[MarkChange], *, left_hand: bool, step: float, start: float
+) -> LaneStrip:
+    """Return the strip of a chain whose edges are known."""
+    direction = 0
+    if chain.kind in ("driving", "shoulder", "parking"):
+        direction = chain.side if left_hand else -chain.side
+        if chain.reversed:
+            direction = -direction
+    spans = tuple((round(index * step, 6), left, right) for index, left, right in changes)
+    _, mark, right_mark = next((span for span in spans[::-1] if span[0] <= start), spans[0])
+    return LaneStrip(
+        kind=chain.kind,
+        direction=direction,
+        right=freeze(chain.right),
+        left=freeze(chain.left),
+        mark=mark,
+        right_mark=right_mark,
+        mark_changes=spans if len(spans) > 1 else (),
+    )
 
 
 def _marks(chains: Sequence[_Chain], side: int, runs: Sequence[_Run]) -> list[list[MarkChange]]:
     """Return the changes of marks of every chain on one side."""
-    rows: list[list[MarkChange]] = [[] for _ in chains]
+    changes_of: list[list[MarkChange]] = [[] for _ in chains]
     for run in runs:
         section = run.leg.sections[run.section]
         inner = _mark(next(lane.mark for lane in section.lanes if lane.id == 0))
-        for chain, known in zip(chains, rows, strict=True):
+        for chain, changes in zip(chains, changes_of, strict=True):
             lane = chain.lanes.get(run.number)
             if lane is None:
                 continue
             outer = _mark(lane.mark)
             pair = (inner, outer) if side < 0 else (outer, inner)
-            if not known or known[-1][1:] != pair:
-                known.append((run.part.start, *pair))
+            if not changes or changes[-1][1:] != pair:
+                changes.append((run.part.start, *pair))
             inner = outer
-    for chain, known in zip(chains, rows, strict=True):
-        if not known:
+    for chain, changes in zip(chains, changes_of, strict=True):
+        if not changes:
             mark = _mark(chain.mark)
-            known.append((0, mark, mark))
-    return rows
+            changes.append((0, mark, mark))
+    return changes_of
 
 
 def freeze(array: Floats) -> Floats:
@@ -171,49 +179,62 @@ def _chains(
     """Return the chains on one side of the route, from the inside out."""
     chains: list[_Chain] = []
     expected: dict[int, _Chain] = {}
-    asleep: dict[tuple[int, str], _Chain] = {}
+    last_by_lane: dict[tuple[int, str], _Chain] = {}
     for number, stage in enumerate(stages):
         leg = legs[stage.leg]
         lanes = [lane for lane in leg.sections[stage.section].lanes if leg.id_of(lane) * side > 0]
-        inner = -1
+        innermost = 0
         current: dict[int, _Chain] = {}
         for lane in sorted(lanes, key=lambda lane: abs(lane.id)):
-            identity = leg.id_of(lane)
-            found = None
-            again = asleep.get((identity, lane.type))
-            if again in expected.values():
-                again = None
-            for offer in (expected.get(identity), again):
-                if offer is not None and offer.type == lane.type and number not in offer.lanes:
-                    place = chains.index(offer)
-                    if place > inner:
-                        found, inner = offer, place
-                        break
-            if found is None:
-                found = _Chain(lane.type, lane.reversed, lane.mark, side)
-                inner += 1
-                chains.insert(inner, found)
+            lane_id = leg.id_of(lane)
+            earlier = last_by_lane.get((lane_id, lane.type))
+            if earlier in expected.values():
+                earlier = None
+            chain = next(
+                (
+                    offer
+                    for offer in (expected.get(lane_id), earlier)
+                    if offer is not None
+                    and offer.type == lane.type
+                    and number not in offer.lanes
+                    and offer in chains[innermost:]
+                ),
+                None,
+            )
+            if chain is None:
+                chain = _Chain(lane.type, lane.reversed, lane.mark, side)
+                chains.insert(innermost, chain)
                 if len(chains) > _MAX_STRIPS:
                     raise ValueError("has too many lanes that do not continue each other")
-            found.lanes[number] = lane
-            current[identity] = found
+            innermost = chains.index(chain) + 1
+            chain.lanes[number] = lane
+            current[lane_id] = chain
             if not leg.road.junction:
-                asleep[identity, lane.type] = found
-        if number + 1 == len(stages):
-            break
-        following = stages[number + 1]
-        if following.leg == stage.leg:
-            pairs = section_links(leg, stage.section)
-        else:
-            pairs = lane_links(network, leg, legs[following.leg])
-        pairs = [pair for pair in pairs if pair[0] * side > 0 and pair[1] * side > 0]
-        if not pairs:
-            pairs = [(identity, identity) for identity in current]
-        expected = {}
-        for before, after in pairs:
-            if before in current:
-                expected.setdefault(after, current[before])
+                last_by_lane[lane_id, lane.type] = chain
+        if number + 1 < len(stages):
+            pairs = _links(network, legs, stage, stages[number + 1], side)
+            if not pairs:
+                pairs = [(lane_id, lane_id) for lane_id in current]
+            expected = {}
+            for before, after in pairs:
+                if before in current:
+                    expected.setdefault(after, current[before])
     return chains
+
+
+def _links(
+    network: Network,
+    legs: Sequence[Leg],
+    stage: _SectionStage,
+    following: _SectionStage,
+    side: int,
+) -> list[tuple[int, int]]:
+    """Return pairs of lane ids on one side that continue each other from one stage to the next."""
+    if following.leg == stage.leg:
+        pairs = section_links(legs[stage.leg], stage.section)
+    else:
+        pairs = lane_links(network, legs[stage.leg], legs[following.leg])
+    return [pair for pair in pairs if pair[0] * side > 0 and pair[1] * side > 0]
 
 
 def _parts(legs: Sequence[Leg], places: Places) -> list[tuple[_SectionStage, slice]]:
@@ -248,7 +269,7 @@ def _measure(run: _Run, places: Places, sides: Mapping[int, Sequence[_Chain]]) -
             lane = chain.lanes.get(run.number)
             if lane is None:
                 continue
-            width = np.clip(_values(lane.widths, along), 0.0, _MAX_WIDTH)
+            width = np.clip(_values(lane.widths, along), 0.0, _MAX_WIDTH_M)
             outer = rounded(edge + side * width) + 0.0
             chain.right[part], chain.left[part] = (outer, edge) if side < 0 else (edge, outer)
             edge = outer
@@ -277,8 +298,8 @@ def _drawn_through(chain: _Chain, in_junction: NDArray[np.bool_]) -> Floats:
     return np.round(drawn, 6)
 
 
-def _fill(chains: Sequence[_Chain], wanted: Sequence[Floats], part: slice) -> None:
-    """Set the edges of the strips that are missing in one stage."""
+def _fill(chains: Sequence[_Chain], edges_through: Sequence[Floats], part: slice) -> None:
+    """Set the edges of the strips that are missing in one stage; `edges_through` are those across junctions."""
     is_missing = [bool(np.isnan(chain.right[part.start])) for chain in chains]
     first, last = is_missing.index(False), len(chains) - 1 - is_missing[::-1].index(False)
     for index in range(first + 1, last):
@@ -287,12 +308,12 @@ def _fill(chains: Sequence[_Chain], wanted: Sequence[Floats], part: slice) -> No
     cursor = chains[first].right[part]
     for index in range(first - 1, -1, -1):
         chains[index].left[part] = cursor
-        cursor = np.fmin(cursor, wanted[index][0][part])
+        cursor = np.fmin(cursor, edges_through[index][0][part])
         chains[index].right[part] = cursor
     cursor = chains[last].left[part]
     for index in range(last + 1, len(chains)):
         chains[index].right[part] = cursor
-        cursor = np.fmax(cursor, wanted[index][1][part])
+        cursor = np.fmax(cursor, edges_through[index][1][part])
         chains[index].left[part] = cursor
 
 

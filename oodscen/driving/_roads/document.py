@@ -163,11 +163,11 @@ class XmlNode:
         return next(iter(self.all(*names, by="name")), None)
 
     def limited(
-        self, nodes: list["XmlNode"], limit: int, what: str, at: str = ""
+        self, nodes: list["XmlNode"], limit: int, things: str, at: str = ""
     ) -> list["XmlNode"]:
-        """Return the nodes up to the limit; record a fault if there are more."""
+        """Return the nodes, which are things of this plural, up to the limit; record a fault if there are more."""
         if len(nodes) > limit:
-            self.fault(f"{len(nodes)} {what}; at most {limit} are read", at)
+            self.fault(f"{len(nodes)} {things}; at most {limit} are read", at)
         return nodes[:limit]
 
 

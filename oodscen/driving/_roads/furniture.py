@@ -51,17 +51,15 @@ def _corners(node: XmlNode) -> tuple[tuple[float, float], ...]:
     """Return an object's outline, or its bounding box, in the road's coordinates."""
     outlines = [*node.all("outline"), *node.all("outlines", "outline")][:1]
     road, local = (
-        [xml_node.at(f"{node.path}/{name}") for line in outlines for xml_node in line.all(name)]
+        [corner.at(f"{node.path}/{name}") for outline in outlines for corner in outline.all(name)]
         for name in ("cornerRoad", "cornerLocal")
     )
     if len(road) >= 3:
-        return tuple(
-            (xml_node.number("s"), xml_node.number("t")) for xml_node in road[:_MAX_CORNERS]
-        )
+        return tuple((corner.number("s"), corner.number("t")) for corner in road[:_MAX_CORNERS])
     s, t = node.number("s"), node.number("t")
     heading = node.number("hdg", default=0.0, limit=100.0)
     if len(local) >= 3:
-        places = [(xml_node.number("u"), xml_node.number("v")) for xml_node in local[:_MAX_CORNERS]]
+        places = [(corner.number("u"), corner.number("v")) for corner in local[:_MAX_CORNERS]]
     else:
         length = node.number("length", default=0.0, limit=1e3)
         width = node.number("width", default=0.0, limit=1e3)

@@ -28,7 +28,6 @@ _GAUSS = (
 )
 """Nodes and weights of five-point Gauss-Legendre quadrature on [-1, 1]."""
 
-
 _ARC_TOLERANCE_M = 1e-9
 """Rounding of an arc length, m."""
 _ROUNDING_M = 1e-9
@@ -66,14 +65,14 @@ class Cubic:
 
     def at(self, s: float) -> float:
         """Return the value at `s`."""
-        d = s - self.start
-        return self.a + d * (self.b + d * (self.c + d * self.d))
+        along = s - self.start
+        return self.a + along * (self.b + along * (self.c + along * self.d))
 
 
 def piecewise(pieces: tuple[Cubic, ...], s: float) -> float:
     """Return the value at `s` of cubics sorted by start; 0 before the first."""
-    found = bisect_right(pieces, s + _ROUNDING_M, key=lambda piece: piece.start)
-    return pieces[found - 1].at(s) if found else 0.0
+    count = bisect_right(pieces, s + _ROUNDING_M, key=lambda piece: piece.start)
+    return pieces[count - 1].at(s) if count else 0.0
 
 
 def piecewise_all(pieces: tuple[Cubic, ...], s: Floats) -> Floats:
@@ -81,10 +80,10 @@ def piecewise_all(pieces: tuple[Cubic, ...], s: Floats) -> Floats:
     if not pieces:
         return np.zeros_like(s)
     table = np.array([(piece.start, piece.a, piece.b, piece.c, piece.d) for piece in pieces])
-    found = np.searchsorted(table[:, 0], s + _ROUNDING_M, side="right")
-    start, *k = table[np.maximum(found - 1, 0)].T
-    d = s - start
-    return np.where(found > 0, k[0] + d * (k[1] + d * (k[2] + d * k[3])), 0.0)
+    count = np.searchsorted(table[:, 0], s + _ROUNDING_M, side="right")
+    start, a, b, c, d = table[np.maximum(count - 1, 0)].T
+    along = s - start
+    return np.where(count > 0, a + along * (b + along * (c + along * d)), 0.0)
 
 
 @dataclass(frozen=True)
@@ -104,7 +103,7 @@ class Curve(ABC):
 
     def at_all(self, along: Floats) -> Points:
         """Return many points, with the same bits as `at` for each."""
-        x, y, heading, curvature = np.array([self.at(one) for one in along.tolist()]).T
+        x, y, heading, curvature = np.array([self.at(distance) for distance in along.tolist()]).T
         return x, y, heading, curvature
 
     def _place(
@@ -252,19 +251,20 @@ class ParamPoly3(Curve):
         return half * sum(weight * self._speed(middle + half * node) for node, weight in _GAUSS)
 
     def _parameter(self, along: float) -> float:
-        part = along / self.length
+        """Return the parameter at the same share of the curve's own length as `along` is of the stated one."""
+        share = along / self.length
         if not self.arc > _ARC_TOLERANCE_M:
-            return part * self.scale
-        wanted = part * self.arc
+            return share * self.scale
+        arc = share * self.arc
         count = len(self._nodes) - 1
-        index = min(max(bisect_right(self._nodes, wanted) - 1, 0), count - 1)
+        index = min(max(bisect_right(self._nodes, arc) - 1, 0), count - 1)
         low, high = self._nodes[index], self._nodes[index + 1]
         begin, end = self._ends(index, count)
         if not high > low:
             return begin
-        p = begin + (wanted - low) / (high - low) * self.scale / count
+        p = begin + (arc - low) / (high - low) * self.scale / count
         for _ in range(_MOST_STEPS):
-            speed, rest = self._speed(p), wanted - low - self._arc(begin, p)
+            speed, rest = self._speed(p), arc - low - self._arc(begin, p)
             if not speed > _STALLED * self.arc / self.scale or abs(rest) < _ARC_TOLERANCE_M:
                 break
             p += rest / speed

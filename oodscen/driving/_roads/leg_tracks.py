@@ -50,13 +50,13 @@ class LegTrack:
             steps = max(1, math.ceil((end - begin) / SAMPLE_STEP_M))
             for step in range(steps):
                 middle = begin + (end - begin) * (step + 0.5) / steps
-                kept = 1.0 - self.shift * self._curvature(middle)
-                if kept < _TIGHTEST:
+                share = 1.0 - self.shift * self._curvature(middle)
+                if share < _TIGHTEST:
                     name = self.leg.road.id
                     raise ValueError(f"road {name!r} bends too tightly for the lanes before it")
                 self._driven.append(begin + (end - begin) * (step + 1) / steps)
-                width = self._driven[-1] - self._driven[-2]
-                self._nodes.append(self._nodes[-1] + kept * width)
+                driven = self._driven[-1] - self._driven[-2]
+                self._nodes.append(self._nodes[-1] + share * driven)
 
     def _own(self, driven: Real) -> Real:
         """Return s on the road's own line at a distance driven along it, m; and the other way round."""
@@ -77,8 +77,8 @@ class LegTrack:
         driven = self._own(own)
         if not self.shift:
             return driven
-        known, wanted = np.array(self._driven), np.array(self._nodes)
-        return float(interpolated(np.array([driven]), known, wanted)[0])
+        nodes_driven, nodes_along = np.array(self._driven), np.array(self._nodes)
+        return float(interpolated(np.array([driven]), nodes_driven, nodes_along)[0])
 
     def points(self, own: Floats) -> tuple[Floats, ...]:
         """Return x, y, z, cosine and sine of the heading, and curvature at s on the road's own line."""

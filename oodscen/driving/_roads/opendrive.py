@@ -24,23 +24,23 @@ from oodscen.driving._roads.network import (
     RoadLink,
 )
 
-_MAX_ROAD_LENGTH = 50_000.0
+_MAX_ROAD_LENGTH_M = 50_000.0
 _MAX_ROADS = 5_000
 _MAX_PIECES = 100_000
 """Maximum number of geometries in all roads together."""
-_MAX_TOTAL_LENGTH = 500_000.0
-_MAX_TURN = 20_000.0
+_MAX_TOTAL_LENGTH_M = 500_000.0
+_MAX_TURN_RAD = 20_000.0
 """Maximum total turn of all roads, rad."""
 _MAX_SECTIONS = 1_000
 _MAX_LANES = 64
 """Maximum number of lanes in one lane section."""
-_WIDTHS = (-1.0, 60.0)
-_OFFSETS = (-200.0, 200.0)
-_HEIGHTS = (-10_000.0, 10_000.0)
+_WIDTHS_M = (-1.0, 60.0)
+_OFFSETS_M = (-200.0, 200.0)
+_HEIGHTS_M = (-10_000.0, 10_000.0)
 _SHAPES = ("line", "arc", "spiral", "poly3", "paramPoly3")
-_GAP = 0.1
+_GAP_M = 0.1
 """Distance between two pieces of a plan view above which the road is broken, m."""
-_KINK = 0.05
+_KINK_RAD = 0.05
 """Angle between two pieces of a plan view above which the road is broken, rad."""
 _SHORTEST_M = 1e-6
 """Length above which a piece of a road's line is read, m."""
@@ -91,20 +91,20 @@ class _Reader:
     def road(self, node: XmlNode) -> Road | None:
         before = len(self.document.issues)
         length = node.number("length")
-        if not 0.0 < length <= _MAX_ROAD_LENGTH:
-            node.fault(f"must be above 0 and at most {_MAX_ROAD_LENGTH:g}", "@length")
+        if not 0.0 < length <= _MAX_ROAD_LENGTH_M:
+            node.fault(f"must be above 0 and at most {_MAX_ROAD_LENGTH_M:g}", "@length")
         self.length += max(length, 0.0)
-        if self.length > _MAX_TOTAL_LENGTH:
-            self.document.fail("", f"the roads are longer than {_MAX_TOTAL_LENGTH:g} m together")
+        if self.length > _MAX_TOTAL_LENGTH_M:
+            self.document.fail("", f"the roads are longer than {_MAX_TOTAL_LENGTH_M:g} m together")
         curves = self._plan_view(node, length)
         elevation = _pieces(node.all("elevationProfile", "elevation"), "s")
-        _check_range(node, elevation, length, _HEIGHTS, "/elevationProfile")
+        _check_range(node, elevation, length, _HEIGHTS_M, "/elevationProfile")
         lanes = node.first("lanes")
         if lanes is None:
             node.fault("is missing", "/lanes")
             return None
         offset = _pieces(lanes.all("laneOffset"), "s")
-        _check_range(lanes, offset, length, _OFFSETS, "/laneOffset")
+        _check_range(lanes, offset, length, _OFFSETS_M, "/laneOffset")
         sections = _sections(lanes, length)
         junction = node.get("junction", "-1")
         road = Road(
@@ -140,20 +140,20 @@ class _Reader:
             if curve is None:
                 continue
             total += curve.length
-            if total > 2.0 * _MAX_ROAD_LENGTH:
+            if total > 2.0 * _MAX_ROAD_LENGTH_M:
                 break
             if curves:
                 _check_joint(node, curves[-1], curve)
-            elif abs(curve.s) > _GAP:
+            elif abs(curve.s) > _GAP_M:
                 node.fault("the first geometry must start at 0", "@s")
             curves.append(curve)
-        if curves and len(curves) == len(nodes) and abs(total - length) > _GAP + 1e-3 * length:
+        if curves and len(curves) == len(nodes) and abs(total - length) > _GAP_M + 1e-3 * length:
             road.fault(f"{length:g} m, but the geometries add up to {total:g} m", "@length")
         return curves
 
     def _curve(self, node: XmlNode) -> Curve | None:
         s, x, y, heading, length = map(node.number, ("s", "x", "y", "hdg", "length"))
-        if not _SHORTEST_M < length <= _MAX_ROAD_LENGTH:
+        if not _SHORTEST_M < length <= _MAX_ROAD_LENGTH_M:
             node.fault("must be above 0", "@length")
             return None
         base = (s, x, y, math.remainder(heading, math.tau), length)
@@ -168,8 +168,8 @@ class _Reader:
             names = ("curvature",) if kind == "arc" else ("curvStart", "curvEnd")
             bends = [shape.number(name, limit=2.0) for name in names]
             self.turn += length * max(abs(bend) for bend in bends)
-            if self.turn > _MAX_TURN:
-                message = f"the roads turn by more than {_MAX_TURN:g} rad together"
+            if self.turn > _MAX_TURN_RAD:
+                message = f"the roads turn by more than {_MAX_TURN_RAD:g} rad together"
                 self.document.fail(node.path, message)
             return Arc(*base, bends[0]) if kind == "arc" else Spiral(*base, bends[0], bends[1])
         if kind == "poly3":
@@ -186,14 +186,14 @@ class _Reader:
 
 def _check_joint(node: XmlNode, before: Curve, after: Curve) -> None:
     last = before.s + before.length
-    if abs(last - after.s) > _GAP:
+    if abs(last - after.s) > _GAP_M:
         node.fault(f"{after.s:g}, but the last one ends at {last:g}", "@s")
     end, start = before.at(before.length), after.at(0.0)
     gap = math.sqrt((end.x - start.x) ** 2 + (end.y - start.y) ** 2)
-    if not gap <= _GAP:
+    if not gap <= _GAP_M:
         node.fault(f"starts {gap:.3g} m away from the end of the last geometry")
     kink = abs(math.remainder(end.heading - start.heading, math.tau))
-    if not kink <= _KINK:
+    if not kink <= _KINK_RAD:
         node.fault(f"turns by {kink:.3g} rad at the end of the last geometry", "@hdg")
 
 
@@ -261,9 +261,6 @@ def _contact(node: XmlNode) -> Contact:
     return "end"
 
 
-# ---------------------------------------------------------------------- lanes
-
-
 def _sections(lanes: XmlNode, length: float) -> list[LaneSection]:
     sections: list[LaneSection] = []
     nodes = lanes.all("laneSection")
@@ -272,7 +269,7 @@ def _sections(lanes: XmlNode, length: float) -> list[LaneSection]:
     nodes = lanes.limited(nodes, _MAX_SECTIONS, "lane sections")
     starts = [node.number("s") for node in nodes]
     for index, (s, node) in enumerate(zip(starts, nodes, strict=True)):
-        if index == 0 and abs(s) > _GAP:
+        if index == 0 and abs(s) > _GAP_M:
             node.fault("the first section must start at 0", "@s")
         if index and s <= starts[index - 1]:
             node.fault("must be above the one before", "@s")
@@ -311,11 +308,11 @@ def _lane(node: XmlNode, sign: int, length: float) -> Lane | None:
     widths = _pieces(node.all("width"), "sOffset")
     if number != 0 and not widths:
         node.fault("is missing (lane borders are not supported)", "/width")
-    if widths and abs(widths[0].start) > _GAP:
+    if widths and abs(widths[0].start) > _GAP_M:
         node.fault("the first width must start at 0", "/width[0]@sOffset")
     if widths:
         widths = (replace(widths[0], start=0.0), *widths[1:])
-    _check_range(node, widths, length, _WIDTHS, "/width")
+    _check_range(node, widths, length, _WIDTHS_M, "/width")
     mark = node.first("roadMark")
     before, after = node.first("link", "predecessor"), node.first("link", "successor")
     return Lane(
@@ -329,23 +326,20 @@ def _lane(node: XmlNode, sign: int, length: float) -> Lane | None:
     )
 
 
-# ---------------------------------------------------------------------- junctions
-
-
 def _junction(node: XmlNode) -> Junction:
     connections = []
-    for xml_node in node.all("connection"):
-        incoming = xml_node.element.get("incomingRoad")
-        connecting = xml_node.element.get("connectingRoad", xml_node.element.get("linkedRoad"))
+    for connection in node.all("connection"):
+        incoming = connection.element.get("incomingRoad")
+        connecting = connection.element.get("connectingRoad", connection.element.get("linkedRoad"))
         if incoming is None or connecting is None:
-            xml_node.fault("needs incomingRoad and connectingRoad")
+            connection.fault("needs incomingRoad and connectingRoad")
             continue
         pairs = []
-        for link in xml_node.all("laneLink", by="name"):
+        for link in connection.all("laneLink", by="name"):
             start, end = link.lane_id("from"), link.lane_id("to")
             if start is not None and end is not None:
                 pairs.append((start, end))
-        connections.append(JunctionWay(incoming, connecting, _contact(xml_node), tuple(pairs)))
+        connections.append(JunctionWay(incoming, connecting, _contact(connection), tuple(pairs)))
     return Junction(node.get("id"), tuple(connections))
 
 
@@ -356,22 +350,26 @@ def _check_links(document: Document, network: Network) -> None:
         if road.junction and road.junction not in network.junctions:
             document.add(f"{path}@junction", f"no junction {road.junction[:40]!r}")
         for end, link in (("predecessor", road.predecessor), ("successor", road.successor)):
-            known = network.roads if link and link.kind == "road" else network.junctions
-            if link and link.id not in known:
+            if link is None:
+                continue
+            targets = network.roads if link.kind == "road" else network.junctions
+            if link.id not in targets:
                 document.add(f"{path}/link/{end}@elementId", f"no {link.kind} {link.id[:40]!r}")
     for junction in network.junctions.values():
         for index, way in enumerate(junction.connections):
-            path = f"junction[{junction.id[:40]}]/connection[{index}]"
-            for name, identity in (
-                ("incomingRoad", way.incoming),
-                ("connectingRoad", way.connecting),
-            ):
-                if identity not in network.roads:
-                    document.add(f"{path}@{name}", f"no road {identity[:40]!r}")
-            through = network.roads.get(way.connecting)
-            if through is not None:
-                section = through.sections[0 if way.contact == "start" else -1]
-                ids = {lane.id for lane in section.lanes}
-                for _, to in way.lanes:
-                    if to not in ids:
-                        document.add(f"{path}/laneLink@to", f"no lane {to} on {through.id[:40]!r}")
+            _check_way(document, network, way, f"junction[{junction.id[:40]}]/connection[{index}]")
+
+
+def _check_way(document: Document, network: Network, way: JunctionWay, path: str) -> None:
+    """Record a fault for roads and lanes of a connection that the file lacks."""
+    for name, road_id in (("incomingRoad", way.incoming), ("connectingRoad", way.connecting)):
+        if road_id not in network.roads:
+            document.add(f"{path}@{name}", f"no road {road_id[:40]!r}")
+    through = network.roads.get(way.connecting)
+    if through is None:
+        return
+    section = through.sections[0 if way.contact == "start" else -1]
+    lane_ids = {lane.id for lane in section.lanes}
+    for _, to in way.lanes:
+        if to not in lane_ids:
+            document.add(f"{path}/laneLink@to", f"no lane {to} on {through.id[:40]!r}")

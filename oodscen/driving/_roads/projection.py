@@ -54,17 +54,17 @@ def places(corridor: Corridor, x: Floats, y: Floats) -> tuple[Floats, Floats, Fl
 
 def lanes(corridor: Corridor, strip: int, s: Floats, t: Floats) -> Floats:
     """Return the number of lanes from a strip to every place, left positive; NaN off the lanes."""
-    found = np.full(s.shape, np.nan)
+    numbers = np.full(s.shape, np.nan)
     position = np.clip(s / corridor.step, 0.0, len(corridor.s) - 1.0)
     index = np.minimum(position.astype(np.intp), len(corridor.s) - 2)
-    f = position - index
+    share = position - index
     origin = corridor.driving.index(strip)
     is_along = (s >= 0.0) & (s <= corridor.length)
     for number, driving in enumerate(corridor.driving):
-        lane_strip = corridor.strips[driving]
-        right = lane_strip.right[index] + f * (
-            lane_strip.right[index + 1] - lane_strip.right[index]
+        lane = corridor.strips[driving]
+        right, left = (
+            edge[index] + share * (edge[index + 1] - edge[index])
+            for edge in (lane.right, lane.left)
         )
-        left = lane_strip.left[index] + f * (lane_strip.left[index + 1] - lane_strip.left[index])
-        found[is_along & (right <= t) & (t < left)] = number - origin
-    return found
+        numbers[is_along & (right <= t) & (t < left)] = number - origin
+    return numbers

@@ -94,11 +94,12 @@ def road_points(road: Road, s: Floats) -> Points:
     """Return many points of a road's reference line, with the same bits as `road_point` for each."""
     begins = np.array([curve.s for curve in road.curves])
     pieces = np.maximum(np.searchsorted(begins, s, side="right") - 1, 0)
-    found = np.empty((4, len(s)))
+    columns = np.empty((4, len(s)))
     for index in np.unique(pieces):
-        curve, here = road.curves[index], pieces == index
-        found[:, here] = curve.at_all(np.clip(s[here] - curve.s, 0.0, curve.length))
-    x, y, heading, curvature = found
+        curve, is_on_curve = road.curves[index], pieces == index
+        along = np.clip(s[is_on_curve] - curve.s, 0.0, curve.length)
+        columns[:, is_on_curve] = curve.at_all(along)
+    x, y, heading, curvature = columns
     return x, y, heading, curvature
 
 
@@ -109,18 +110,18 @@ def followers(network: Network, leg: Leg) -> list[Leg]:
         return []
     if link.kind == "road":
         return [Leg(network.roads[link.id], link.contact == "start")]
-    found: dict[tuple[str, bool], Leg] = {}
+    legs: dict[tuple[str, bool], Leg] = {}
     for connection in network.junctions[link.id].connections:
         through = network.roads[connection.connecting]
         if connection.incoming == leg.road.id:
             forward = connection.contact == "start"
             back = through.predecessor if forward else through.successor
             if back is None or back.id != leg.road.id or back.contact == leg.exit:
-                found.setdefault((through.id, forward), Leg(through, forward))
+                legs.setdefault((through.id, forward), Leg(through, forward))
         for forward, end in ((True, through.predecessor), (False, through.successor)):
             if end == RoadLink("road", leg.road.id, leg.exit):
-                found.setdefault((through.id, forward), Leg(through, forward))
-    return list(found.values())
+                legs.setdefault((through.id, forward), Leg(through, forward))
+    return list(legs.values())
 
 
 def joint(before: Leg, after: Leg) -> tuple[float, float, float]:
@@ -162,13 +163,13 @@ def straight_on(
     network: Network, leg: Leg, direction: int = 1, taken: Collection[str] = ()
 ) -> Iterator[Leg]:
     """Yield the legs after a leg, straight on at every choice; no road is repeated."""
-    seen = {leg.road.id, *taken}
+    driven = {leg.road.id, *taken}
     for _ in range(_MAX_LEGS):
-        after = straightest(network, leg, direction, seen)
+        after = straightest(network, leg, direction, driven)
         if after is None:
             return
         leg = after
-        seen.add(leg.road.id)
+        driven.add(leg.road.id)
         yield leg
 
 
@@ -188,46 +189,48 @@ def find_route(
         issues of the wanted roads.
     """
     legs = [start]
-    for index, identity in enumerate(wanted):
-        able = followers(network, legs[-1])
-        after = next((one for one in able if one.road.id == identity), None)
-        if after is None or not fits(legs[-1], after):
-            known = ", ".join(one.road.id[:40] for one in able[:20]) or "nothing"
-            why = f"does not follow road {legs[-1].road.id!r}, which leads to: {known}"
-            if after is not None:
-                why = f"does not begin where road {legs[-1].road.id!r} ends"
-            return legs, 0, [Issue(f"route[{index}]", f"road {identity!r} {why}")]
+    for index, road_id in enumerate(wanted):
+        before = legs[-1]
+        following = followers(network, before)
+        after = next((leg for leg in following if leg.road.id == road_id), None)
+        if after is None:
+            names = ", ".join(leg.road.id[:40] for leg in following[:20]) or "nothing"
+            fault = f"does not follow road {before.road.id!r}, which leads to: {names}"
+            return legs, 0, [Issue(f"route[{index}]", f"road {road_id!r} {fault}")]
+        if not fits(before, after):
+            fault = f"does not begin where road {before.road.id!r} ends"
+            return legs, 0, [Issue(f"route[{index}]", f"road {road_id!r} {fault}")]
         legs.append(after)
     taken = {leg.road.id for leg in legs}
-    at = start_m if start.forward else start.road.length - start_m
-    ahead = sum(leg.road.length for leg in legs) - at
+    behind_m = start_m if start.forward else start.road.length - start_m
+    ahead_m = sum(leg.road.length for leg in legs) - behind_m
     for after in straight_on(network, legs[-1], 1, taken):
-        if ahead >= AHEAD_M:
+        if ahead_m >= AHEAD_M:
             break
         legs.append(after)
         taken.add(after.road.id)
-        ahead += after.road.length
-    before: list[Leg] = []
-    for earlier in straight_on(network, start.turned, -1, taken):
-        if at >= BEHIND_M:
+        ahead_m += after.road.length
+    earlier: list[Leg] = []
+    for leg in straight_on(network, start.turned, -1, taken):
+        if behind_m >= BEHIND_M:
             break
-        before.append(earlier.turned)
-        at += earlier.road.length
-    return [*before[::-1], *legs], len(before), []
+        earlier.append(leg.turned)
+        behind_m += leg.road.length
+    return [*earlier[::-1], *legs], len(earlier), []
 
 
 def lane_links(network: Network, before: Leg, after: Leg) -> list[tuple[int, int]]:
     """Return pairs of lane ids, in the driver's numbering, that continue each other between two legs."""
-    raw: list[tuple[int, int]] = []
+    pairs: list[tuple[int, int]] = []
     for junction in (before.onward, after.turned.onward):
         if junction is None or junction.kind != "junction":
             continue
         for connection in network.junctions[junction.id].connections:
             contact = after.turned.exit
             if (connection.incoming, connection.connecting) == (before.road.id, after.road.id):
-                raw += [pair for pair in connection.lanes if connection.contact == contact]
+                pairs += [pair for pair in connection.lanes if connection.contact == contact]
             elif (connection.incoming, connection.connecting) == (after.road.id, before.road.id):
-                raw += [
+                pairs += [
                     (to, start)
                     for start, to in connection.lanes
                     if connection.contact == before.exit
@@ -236,15 +239,15 @@ def lane_links(network: Network, before: Leg, after: Leg) -> list[tuple[int, int
         for lane in before.sections[-1].lanes:
             following = lane.successor if before.forward else lane.predecessor
             if lane.id and following is not None:
-                raw.append((lane.id, following))
+                pairs.append((lane.id, following))
     back = after.turned.onward
     if back is not None and back.kind == "road":
         for lane in after.sections[0].lanes:
             earlier = lane.predecessor if after.forward else lane.successor
             if lane.id and earlier is not None:
-                raw.append((earlier, lane.id))
-    signs = (1 if before.forward else -1, 1 if after.forward else -1)
-    return [(a * signs[0], b * signs[1]) for a, b in raw]
+                pairs.append((earlier, lane.id))
+    sign_before, sign_after = 1 if before.forward else -1, 1 if after.forward else -1
+    return [(sign_before * start, sign_after * to) for start, to in pairs]
 
 
 def section_links(leg: Leg, index: int) -> list[tuple[int, int]]:

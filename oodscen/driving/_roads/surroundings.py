@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
+from operator import itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +45,7 @@ def roads_by_distance(roads: Iterable[Road], corridor: Corridor) -> list[Road]:
         if least <= NEAR_M * NEAR_M:
             away = float(((x - start_x) ** 2 + (y - start_y) ** 2).min())
             ranked.append((away, len(ranked), road))
-    return [road for _, _, road in sorted(ranked, key=lambda one: one[:2])]
+    return [road for _, _, road in sorted(ranked, key=itemgetter(0, 1))]
 
 
 def _batches(values: NDArray[np.float64]) -> list[NDArray[np.float64]]:
@@ -58,16 +59,17 @@ def structures_of(tracks: Sequence[LegTrack], begins: Sequence[float]) -> tuple[
         tracks: The tracks of the route's legs.
         begins: s on the corridor where each track begins, m.
     """
-    found = []
+    structures = []
     for track, begin in zip(tracks, begins, strict=True):
         for stretch in track.leg.road.stretches:
             ends = [
-                begin + track.from_start(min(max(end, 0.0), track.span))
-                for end in (stretch.start, stretch.end)
+                begin + track.from_start(min(max(road_s, 0.0), track.span))
+                for road_s in (stretch.start, stretch.end)
             ]
             if max(ends) - min(ends) > _SHORTEST_M:
-                found.append(Structure(stretch.kind, round(min(ends), 6), round(max(ends), 6)))
-    return tuple(sorted(found, key=lambda structure: structure.start))
+                start, end = round(min(ends), 6), round(max(ends), 6)
+                structures.append(Structure(stretch.kind, start, end))
+    return tuple(sorted(structures, key=lambda structure: structure.start))
 
 
 def signal_in_world(road: Road, signal: Signal, corridor: Corridor) -> RoadSignal:

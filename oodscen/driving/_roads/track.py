@@ -50,7 +50,8 @@ def pack(
     """Return a track of NumPy arrays; `lanes` is true for each driving strip."""
     most = max(1, max(map(len, drivable)))
     ranges = np.array(
-        [[*one, *[_NOWHERE] * (most - len(one))] for one in drivable], dtype=np.float64
+        [[*at_sample, *[_NOWHERE] * (most - len(at_sample))] for at_sample in drivable],
+        dtype=np.float64,
     )
     return Track(
         samples=samples,
@@ -212,8 +213,8 @@ def centre(track: Track, strip: int, s: float) -> float:
 def is_drivable(track: Track, s: float, low: float, high: float) -> bool:
     """Return whether the road is drivable everywhere between two offsets at `s`."""
     index = nearest(track, s)
-    for place in range(0, track.ranges.shape[1], 2):
-        if track.ranges[index, place] <= low and high <= track.ranges[index, place + 1]:
+    for column in range(0, track.ranges.shape[1], 2):
+        if track.ranges[index, column] <= low and high <= track.ranges[index, column + 1]:
             return True
     return False
 
@@ -222,8 +223,8 @@ def is_drivable(track: Track, s: float, low: float, high: float) -> bool:
 def drivable_range(track: Track, s: float, t: float) -> tuple[bool, float, float]:
     """Return whether the road around `t` is drivable, and its right and left limits."""
     index = nearest(track, s)
-    for place in range(0, track.ranges.shape[1], 2):
-        low, high = track.ranges[index, place], track.ranges[index, place + 1]
+    for column in range(0, track.ranges.shape[1], 2):
+        low, high = track.ranges[index, column], track.ranges[index, column + 1]
         if low <= t <= high:
             return True, low, high
     return False, t, t

@@ -1,12 +1,13 @@
 """The look of a hazard at the decision by geometry: boxes, road and air, without rendering."""
 
 from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 from oodscen.data._scene import Scene
 from oodscen.data._sighting import Sighting, apparent_size
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.scene_checks import PlacedBody
-from oodscen.driving._sight.visibility import Eye, area, clipped, visual_range
+from oodscen.driving._sight.visibility import Eye, Sight, area, clipped, visual_range
 from oodscen.protocols import Camera
 
 SCALE_PX = 480.0
@@ -15,16 +16,18 @@ SCALE_PX = 480.0
 
 def groups(scene: Scene, cast: Sequence[PlacedBody]) -> list[list[int]]:
     """Return the rows of the unusual actors, those of the same asset together."""
-    found: dict[str, list[int]] = {}
+    by_asset: dict[str, list[int]] = {}
     for row, body in enumerate(cast):
         if row and body.id in scene.hazard.actors:
-            found.setdefault(body.asset, []).append(row)
-    return list(found.values())
+            by_asset.setdefault(body.asset, []).append(row)
+    return list(by_asset.values())
 
 
-def best(found: Iterable[Sighting]) -> Sighting | None:
+def best(sightings: Iterable[Sighting]) -> Sighting | None:
     """Return the look that has the fewest faults, then the largest one; `None` if there is none."""
-    return min(found, key=lambda sighting: (len(sighting.faults), -sighting.size_px), default=None)
+    return min(
+        sightings, key=lambda sighting: (len(sighting.faults), -sighting.size_px), default=None
+    )
 
 
 def drawn(
@@ -32,28 +35,47 @@ def drawn(
 ) -> Sighting | None:
     """Return the look of the hazard by the outlines of boxes at the decision; the ego is the first of `cast`."""
     eye = Eye(camera, cast[0].solid)
-    reach = visual_range(scene.weather)
     scale = SCALE_PX / camera.height
-    found = []
+    sightings = []
     for rows in groups(scene, cast):
-        total, parts = 0.0, []
-        for row in rows:
-            body = cast[row].solid
-            others = [placed_body.solid for i, placed_body in enumerate(cast) if i not in (0, row)]
-            sight = eye.see(body, others, corridor)
-            shown = clipped(eye.silhouette(body), camera.width, camera.height)
-            free = 1.0 - sight.hidden if sight.distance <= reach else 0.0
-            height = max(v for _, v in shown) - min(v for _, v in shown) if area(shown) else 0.0
-            total += free * sight.area_px
-            parts.append((free * height, sight, cast[row]))
-        height, sight, who = max(parts, key=lambda part: part[0])
-        found.append(
+        looks = [_look(row, scene, cast, corridor, eye) for row in rows]
+        tallest = max(looks, key=lambda look: look.height_px)
+        area_px = 0.0
+        for look in looks:  # `sum` rounds otherwise from Python 3.12 on.
+            area_px += look.area_px
+        sightings.append(
             Sighting(
-                actor=who.id,
-                distance_m=round(sight.distance, 1),
-                height_px=round(scale * height, 1),
-                size_px=round(scale * apparent_size(height, total), 1),
-                hidden=round(sight.hidden, 3),
+                actor=tallest.actor,
+                distance_m=round(tallest.sight.distance, 1),
+                height_px=round(scale * tallest.height_px, 1),
+                size_px=round(scale * apparent_size(tallest.height_px, area_px), 1),
+                hidden=round(tallest.sight.hidden, 3),
             )
         )
-    return best(found)
+    return best(sightings)
+
+
+class _Look(NamedTuple):
+    """The free part of one actor in the picture."""
+
+    actor: str
+    sight: Sight
+    height_px: float
+    """Height of its outline times the share that is not hidden."""
+    area_px: float
+    """Area of its outline times that share, square pixels."""
+
+
+def _look(
+    row: int, scene: Scene, cast: Sequence[PlacedBody], corridor: Corridor, eye: Eye
+) -> _Look:
+    """Return the look of the actor in a row; nothing of it is free beyond the visual range."""
+    body = cast[row].solid
+    others = [other.solid for i, other in enumerate(cast) if i not in (0, row)]
+    sight = eye.see(body, others, corridor)
+    free = 1.0 - sight.hidden if sight.distance <= visual_range(scene.weather) else 0.0
+    outline = clipped(eye.silhouette(body), eye.camera.width, eye.camera.height)
+    height_px = 0.0
+    if area(outline):
+        height_px = max(v for _, v in outline) - min(v for _, v in outline)
+    return _Look(cast[row].id, sight, free * height_px, free * sight.area_px)

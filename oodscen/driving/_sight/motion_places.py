@@ -20,15 +20,16 @@ def motion_places(
     Motions in the frame of another body are not checked: its way is not known before it is driven. The actors come
     with their paths, ordinary counterparts included.
     """
-    index = {motion.id: number for number, motion in enumerate(scene.motions)}
+    numbers = {motion.id: number for number, motion in enumerate(scene.motions)}
     issues: dict[str, Issue] = {}
     for _, actor in actors:
-        number = index.get(actor.behaviour.name)
+        number = numbers.get(actor.behaviour.name)
         if number is None or scene.motions[number].frame in ("other", "ego"):
             continue
         motion = scene.motions[number]
         for key, (s, t) in enumerate(_places(motion, actor, corridor, ego_lane)):
-            where = f"motions[{number}].{f'keys[{key}]' if motion.keys else motion.course}"
+            part = f"keys[{key}]" if motion.keys else motion.course
+            path = f"motions[{number}].{part}"
             right, left = corridor.extent(min(max(s, 0.0), corridor.length))
             is_off = not 0.0 <= s <= corridor.length
             if is_off or not right - BESIDE_M <= t <= left + BESIDE_M:
@@ -37,7 +38,7 @@ def motion_places(
                     f"{pose.ahead:.4g} m ahead and {pose.left:.4g} m to the left of where "
                     f"{actor.id!r} starts is beyond the map"
                 )
-                issues.setdefault(where, Issue(where, message))
+                issues.setdefault(path, Issue(path, message))
     return list(issues.values())
 
 
@@ -54,10 +55,9 @@ def _places(
     x, y, _, road = corridor.point(s, t)
     turn = place.heading_deg * PI / 180.0 + (PI if corridor.strips[lane].direction < 0 else 0.0)
     sine, cosine = sincos(road + turn)
-    found = []
-    for pose in motion.poses():
-        there = corridor.locate(
+    return [
+        corridor.locate(
             x + pose.ahead * cosine - pose.left * sine, y + pose.ahead * sine + pose.left * cosine
         )
-        found.append((there[0], there[1]))
-    return found
+        for pose in motion.poses()
+    ]

@@ -1,7 +1,7 @@
 """Checks that a scene can be staged and shows its hazard: vocabulary, placement, decision, visibility."""
 
 from oodscen._arguments import checked
-from oodscen.data._catalogue import Catalogue
+from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue
 from oodscen.data._episode import MOMENTS
 from oodscen.data._scene import Actor, Scene
 from oodscen.driving._motion.actions import Cruise
@@ -25,9 +25,9 @@ DT = 0.05
 APPROACH_S = 15.0
 """Time from the start within which the decision must be reached, s."""
 
-_ON_RAILS = {"rail", "train", "tram", "locomotive"}
+_RAIL_WORDS = frozenset({"rail", "train", "tram", "locomotive"})
 """Words of assets that drive on railway tracks."""
-_ROADSIDE = frozenset({"vehicle", "cyclist"})
+_VEHICLES = frozenset({"vehicle", "cyclist"})
 """Categories whose moving actors must start on drivable road."""
 _INSIDE_M = 1e-6
 """Distance from the lane's left edge at which a place is still in the lane, m."""
@@ -59,7 +59,7 @@ def staging_issues(scene: Scene, catalogue: Catalogue) -> list[Issue]:
     issues = catalogue.lacks(scene)
     catalogue = catalogue.for_scene(scene)
     kinds = {kind.id: kind for kind in catalogue.behaviours}
-    known = BUILT_IN.keys() | {motion.id for motion in scene.motions}
+    playable = BUILT_IN.keys() | {motion.id for motion in scene.motions}
     issues += [
         Issue(
             f"{path}.behaviour.name",
@@ -67,7 +67,7 @@ def staging_issues(scene: Scene, catalogue: Catalogue) -> list[Issue]:
         )
         for path, actor in _all_actors(scene)
         if (kind := kinds.get(actor.behaviour.name)) is not None
-        and not known & {kind.id, kind.built_in}
+        and not playable & {kind.id, kind.built_in}
     ]
     try:
         corridor = load_corridor(scene.map, catalogue)
@@ -97,11 +97,11 @@ def _map_state_issues(scene: Scene, corridor: Corridor) -> list[Issue]:
     if scene.map_state is None:
         return []
     kinds = {"signals": "traffic_light", "signs": "sign"}
-    there = {signal.kind for signal in corridor.signals}
+    on_map = {signal.kind for signal in corridor.signals}
     return [
         Issue(f"map_state.{part}", f"{scene.map!r} has no {kinds[part].replace('_', ' ')}s")
         for part, _ in scene.map_state.faults()
-        if part in kinds and kinds[part] not in there
+        if part in kinds and kinds[part] not in on_map
     ]
 
 
@@ -119,23 +119,15 @@ def _all_actors(scene: Scene) -> list[tuple[str, Actor]]:
 def _place_issues(
     path: str, actor: Actor, catalogue: Catalogue, corridor: Corridor, ego_lane: int
 ) -> list[Issue]:
-    place, asset = actor.placement, catalogue.asset(actor.asset)
+    """Return issues of an actor's lanes, and of its place along the map, across it and on it."""
+    place = actor.placement
     try:
         lane = neighbour_strip(corridor, ego_lane, place.lane)
     except ValueError as error:
         hint = "; use offset_m for places beside the lanes"
         return [Issue(f"{path}.placement.lane", f"{error}{hint}")]
-    issues = []
     kind = catalogue.behaviour(actor.behaviour.name)
-    if "lanes" in kind.parameters:
-        value = actor.behaviour.parameters.get("lanes", kind.parameters["lanes"].default)
-        try:
-            neighbour_strip(corridor, lane, round(value))
-        except ValueError as error:
-            issues.append(Issue(f"{path}.behaviour.parameters.lanes", str(error)))
-        if value != round(value):
-            message = f"must be a whole number of lanes, not {value:g}"
-            issues.append(Issue(f"{path}.behaviour.parameters.lanes", message))
+    issues = _target_lane_issues(path, actor, kind, corridor, lane)
     s = corridor.start + place.ahead_m
     if not 0.0 <= s <= corridor.length:
         limits = f"{-corridor.start:.0f} to {corridor.length - corridor.start:.0f} m"
@@ -149,21 +141,51 @@ def _place_issues(
             f"{place.offset_m:g} m is beside the map; here it reaches from {low:.1f} to {high:.1f}"
         )
         return [*issues, Issue(f"{path}.placement.offset_m", message)]
-    behaviour = BUILT_IN.get(kind.built_in)
-    moves = behaviour is not None and (behaviour.moves_before_trigger or behaviour.drives_from_rest)
-    strip = corridor.strip_at(s, min(t, left - _INSIDE_M))
-    beneath = "none" if strip is None else corridor.strips[strip].kind
-    is_on_road = beneath in DRIVABLE or corridor.is_drivable(s, t, t)
-    if _ON_RAILS & {*asset.tags, *asset.id.split("_")}:
-        is_on_road = is_on_road or beneath == "rail" or corridor.is_on_track(s, t)
-    if asset.category in _ROADSIDE and moves and not is_on_road:
-        found = "beside it" if beneath == "none" else f"on a {beneath!r} strip"
-        message = (
-            f"{asset.id!r} that drives must start on the road, not {found}; only one that stands or rolls away may, "
-            "and a train on its track"
-        )
-        issues.append(Issue(f"{path}.placement", message))
+    return issues + _ground_issues(path, catalogue.asset(actor.asset), kind, corridor, (s, t))
+
+
+def _target_lane_issues(
+    path: str, actor: Actor, kind: BehaviourKind, corridor: Corridor, lane: int
+) -> list[Issue]:
+    """Return issues of the number of lanes by which an actor moves over."""
+    if "lanes" not in kind.parameters:
+        return []
+    path = f"{path}.behaviour.parameters.lanes"
+    lanes = actor.behaviour.parameters.get("lanes", kind.parameters["lanes"].default)
+    issues = []
+    try:
+        neighbour_strip(corridor, lane, round(lanes))
+    except ValueError as error:
+        issues.append(Issue(path, str(error)))
+    if lanes != round(lanes):
+        issues.append(Issue(path, f"must be a whole number of lanes, not {lanes:g}"))
     return issues
+
+
+def _ground_issues(
+    path: str, asset: Asset, kind: BehaviourKind, corridor: Corridor, place: tuple[float, float]
+) -> list[Issue]:
+    """Return an issue for a vehicle that drives but starts beside the road, at a place (s, t)."""
+    behaviour = BUILT_IN.get(kind.built_in)
+    if asset.category not in _VEHICLES or behaviour is None:
+        return []
+    if not behaviour.moves_before_trigger and not behaviour.drives_from_rest:
+        return []
+    s, t = place
+    _, left = corridor.extent(s)
+    strip = corridor.strip_at(s, min(t, left - _INSIDE_M))
+    ground = "none" if strip is None else corridor.strips[strip].kind
+    if ground in DRIVABLE or corridor.is_drivable(s, t, t):
+        return []
+    is_on_rails = ground == "rail" or corridor.is_on_track(s, t)
+    if is_on_rails and _RAIL_WORDS & {*asset.tags, *asset.id.split("_")}:
+        return []
+    position = "beside it" if ground == "none" else f"on a {ground!r} strip"
+    message = (
+        f"{asset.id!r} that drives must start on the road, not {position}; only one that stands or rolls away may, "
+        "and a train on its track"
+    )
+    return [Issue(f"{path}.placement", message)]
 
 
 def _roll(
@@ -179,9 +201,9 @@ def _roll(
         if world.is_off_road():
             return path, [_early(world, f"{cast[0].at(scene, corridor)} leaves the road")]
         for body in cast[1:]:
-            if touch(cast[0], body, is_tall=False):
-                touched = f"{cast[0].at(scene, corridor)} touches {body.at(scene, corridor)}"
-                return path, [_early(world, touched)]
+            if touch(cast[0], body, ignores_flat=False):
+                event = f"{cast[0].at(scene, corridor)} touches {body.at(scene, corridor)}"
+                return path, [_early(world, event)]
         if world.is_due(scene.decision):
             return path, []
         if world.time >= within:
@@ -191,26 +213,21 @@ def _roll(
 
 
 def _late(scene: Scene, cast: tuple[PlacedBody, ...], corridor: Corridor, within: float) -> Issue:
+    """Return the issue of a decision that is not reached in time; `cast` are the bodies at the end of that time."""
     decision = scene.decision
-    what = f"{decision.kind} {decision.value:g}"
-    where = ""
+    message = f"{decision.kind} {decision.value:g} is not reached within {within:g} s by an ego that keeps lane and speed"
     if decision.kind != "time":
-        body = next(placed_body for placed_body in cast if placed_body.id == decision.actor)
-        s, own = (
-            corridor.locate(placed_body.solid.x, placed_body.solid.y)[0]
-            for placed_body in (body, cast[0])
-        )
-        where = (
-            f"; by then the ego is {abs(s - own):.0f} m {'before' if s > own else 'past'} {body}"
-        )
-    message = (
-        f"{what} is not reached within {within:g} s by an ego that keeps lane and speed{where}"
-    )
+        actor = next(body for body in cast if body.id == decision.actor)
+        ego_s, _ = corridor.locate(cast[0].solid.x, cast[0].solid.y)
+        actor_s, _ = corridor.locate(actor.solid.x, actor.solid.y)
+        relation = "before" if actor_s > ego_s else "past"
+        message += f"; by then the ego is {abs(actor_s - ego_s):.0f} m {relation} {actor}"
     return Issue("decision", message)
 
 
-def _early(world: KinematicWorld, what: str) -> Issue:
-    return Issue("decision", f"comes too late: after {world.time:.2f} s {what}")
+def _early(world: KinematicWorld, event: str) -> Issue:
+    """Return the issue of a decision before which something ends the drive."""
+    return Issue("decision", f"comes too late: after {world.time:.2f} s {event}")
 
 
 def _in_hazard(path: str, scene: Scene, twin: Scene) -> str:
@@ -220,6 +237,6 @@ def _in_hazard(path: str, scene: Scene, twin: Scene) -> str:
         if path.startswith(prefix):
             if actor.id in scene.hazard.actors:
                 return f"hazard.actors.{actor.id}{path.removeprefix(prefix)}"
-            place = [one.id for one in scene.actors].index(actor.id)
-            return f"actors[{place}]{path.removeprefix(prefix)}"
+            row = [original.id for original in scene.actors].index(actor.id)
+            return f"actors[{row}]{path.removeprefix(prefix)}"
     return path.replace("weather", "hazard.weather", 1) if path.startswith("weather") else path

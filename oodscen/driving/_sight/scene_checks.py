@@ -58,10 +58,8 @@ class PlacedBody(NamedTuple):
     @property
     def box(self) -> Footprint:
         """The body's footprint."""
-        upright_box = self.solid
-        return Footprint(
-            upright_box.x, upright_box.y, upright_box.yaw, upright_box.length, upright_box.width
-        )
+        solid = self.solid
+        return Footprint(solid.x, solid.y, solid.yaw, solid.length, solid.width)
 
 
 Moments = Mapping[str, Sequence[PlacedBody]]
@@ -106,16 +104,16 @@ def first_seen(
     scene: Scene, corridor: Corridor, moments: Moments, camera: Camera = CAMERA
 ) -> dict[str, str]:
     """Return the recognisable unusual actors, each with the first moment at which it can be recognised."""
-    found: dict[str, str] = {}
+    first: dict[str, str] = {}
     for moment, cast in moments.items():
         eye = Eye(camera, cast[0].solid)
         for row, body in enumerate(cast):
-            if body.id in scene.hazard.actors and body.id not in found:
+            if body.id in scene.hazard.actors and body.id not in first:
                 others = _others(scene, cast, row)
                 sight = eye.see(body.solid, others, corridor)
                 if sight.fault(scene.weather, camera) is None:
-                    found[body.id] = moment
-    return found
+                    first[body.id] = moment
+    return first
 
 
 def floating_issues(scene: Scene, corridor: Corridor, moments: Moments) -> list[Issue]:
@@ -135,8 +133,8 @@ def floating_issues(scene: Scene, corridor: Corridor, moments: Moments) -> list[
             s, t = corridor.locate(body.solid.x, body.solid.y)
             height = body.solid.z - corridor.point(s, t)[2]
             if not -SUNK_M <= height <= AFLOAT_M:
-                what = "floats above" if height > 0.0 else "sinks below"
-                message = f"{body.at(scene, corridor)} {what} the road by {abs(height):.2f} m {_WHEN[moment]}"
+                fault = "floats above" if height > 0.0 else "sinks below"
+                message = f"{body.at(scene, corridor)} {fault} the road by {abs(height):.2f} m {_WHEN[moment]}"
                 issues[body.id] = Issue(f"actors[{rows[body.id]}].placement", message)
     return list(issues.values())
 
@@ -158,18 +156,17 @@ def overlap_issues(scene: Scene, corridor: Corridor, moments: Moments) -> list[I
                     if len(issues) == _MOST_OVERLAPS:
                         return list(issues.values())
                     field = "placement" if moment == "first" else "behaviour"
-                    one, two = body.at(scene, corridor), other.at(scene, corridor)
-                    message = f"{one} overlaps {two} {_WHEN[moment]}"
+                    message = (
+                        f"{body.at(scene, corridor)} overlaps {other.at(scene, corridor)} "
+                        f"{_WHEN[moment]}"
+                    )
                     issues[pair] = Issue(f"actors[{row - 1}].{field}", message)
     return list(issues.values())
 
 
-def touch(a: PlacedBody, b: PlacedBody, *, is_tall: bool = True) -> bool:
-    """Return whether two bodies touch.
-
-    With `is_tall`, bodies that lie flat on the road are ignored, since others may stand on them.
-    """
-    if is_tall and min(a.solid.height, b.solid.height) < FLAT_M:
+def touch(a: PlacedBody, b: PlacedBody, *, ignores_flat: bool = True) -> bool:
+    """Return whether two bodies touch; with `ignores_flat`, one that lies flat on the road touches nothing."""
+    if ignores_flat and min(a.solid.height, b.solid.height) < FLAT_M:
         return False
     if a.solid.z > b.solid.z + b.solid.height or b.solid.z > a.solid.z + a.solid.height:
         return False
@@ -200,9 +197,9 @@ def _unseen(scene: Scene, corridor: Corridor, moments: Moments, camera: Camera) 
             best = largest, row
     assert best is not None, "called only for scenes with unusual actors"
     row, cast = best[1], list(moments.values())[-1]
-    who, why = cast[row].at(scene, corridor), "; ".join(reasons[row])
+    actor_words, reason = cast[row].at(scene, corridor), "; ".join(reasons[row])
     hint = _nearer(scene, corridor, cast, row, camera)
-    return Issue(f"actors[{row - 1}]", f"{who} cannot be seen in any frame: {why}{hint}")
+    return Issue(f"actors[{row - 1}]", f"{actor_words} cannot be seen in any frame: {reason}{hint}")
 
 
 def _others(scene: Scene, cast: Sequence[PlacedBody], row: int) -> list[UprightBox]:
@@ -230,7 +227,7 @@ def _nearer(
     ego, body = cast[0].solid, cast[row].solid
     eye, others = Eye(camera, ego), _others(scene, cast, row)
     s, t = corridor.locate(body.x, body.y)
-    own, _ = corridor.locate(ego.x, ego.y)
+    ego_s, _ = corridor.locate(ego.x, ego.y)
     lane = corridor.ego_lanes[min(scene.ego.lane, len(corridor.ego_lanes) - 1)]
 
     def is_seen(at: float, beside: float) -> bool:
@@ -238,10 +235,10 @@ def _nearer(
         moved = replace(body, x=x, y=y, z=z, yaw=heading + body.yaw - corridor.heading(s))
         return eye.see(moved, others, corridor).fault(scene.weather, camera) is None
 
-    away = s - own
+    away = s - ego_s
     hint = f"; at the decision it is {away:.0f} m ahead of the ego and would be seen "
     for share in _SHARES:
-        if share * away > _NEAREST_M and is_seen(own + share * away, t):
+        if share * away > _NEAREST_M and is_seen(ego_s + share * away, t):
             return f"{hint}{share * away:.0f} m ahead of it at the same offset"
     aside = t - corridor.centre(lane, s)
     for share in _SHARES:

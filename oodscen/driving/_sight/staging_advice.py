@@ -64,18 +64,18 @@ def visibility_issues(scene: Scene, catalogue: Catalogue) -> list[Issue]:
 
 def _fault(now: Sighting, cast: Sequence[PlacedBody], row: int, camera: Camera) -> str:
     """Return what is wrong with the look of a body at the decision."""
-    who = f"{now.actor!r} ({cast[row].asset})"
+    actor = f"{now.actor!r} ({cast[row].asset})"
     if "outside" in now.faults:
-        return f"{who} is outside the camera's view at the decision"
+        return f"{actor} is outside the camera's view at the decision"
     if "hidden" in now.faults:
         eye = Eye(camera, cast[0].solid)
-        others = [body for place, body in enumerate(cast) if place not in (0, row)]
+        others = [body for other, body in enumerate(cast) if other not in (0, row)]
         shares = {body.id: eye.see(cast[row].solid, [body.solid]).hidden for body in others}
         cause = max(shares, key=lambda name: shares[name], default="")
         behind = f"{cause!r}" if cause and shares[cause] > 0.0 else "a crest of the road"
-        return f"{100.0 * now.hidden:.0f} % of {who} is hidden behind {behind} at the decision"
+        return f"{100.0 * now.hidden:.0f} % of {actor} is hidden behind {behind} at the decision"
     return (
-        f"at the decision {who} is {now.distance_m:.0f} m away and as large as {now.size_px:.0f} pixels in a picture of "
+        f"at the decision {actor} is {now.distance_m:.0f} m away and as large as {now.size_px:.0f} pixels in a picture of "
         f"480 rows: a viewer needs {LEAST_SIZE_PX:.0f} to name it"
     )
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import assert_never
 
 from oodscen.data._scene import CLEAR_AIR_M, FOG_M, Weather
@@ -10,7 +11,7 @@ from oodscen.driving._roads.corridor import Corridor
 from oodscen.numerics._exact import power
 from oodscen.protocols import Camera
 
-LEAST_PX = 60.0
+LEAST_AREA_PX = 60.0
 """Minimum silhouette for recognition, square pixels at 640 x 480."""
 _FROM_ABOVE = 0.15
 """Share of a minimum that is enough from above, where a body is a mark in a plan."""
@@ -23,12 +24,17 @@ _LN_20 = 2.995732273553991
 """Number of extinction lengths over which contrast falls to 5 %: ln 20."""
 NEAR_M = 0.1
 """Closest distance that a camera shows, m."""
+_CREST_SHARES = (0.2, 0.35, 0.5, 0.65, 0.8, 0.92)
+"""Shares of the distance to a body at which the road may rise above a sight line."""
+_CREST_M = 0.05
+"""Height of the road above a sight line from which it blocks the sight, m."""
 _EDGES = tuple((i, i | bit) for i in range(8) for bit in (1, 2, 4) if not i & bit)
 """Edges of a box, as pairs of indices into `UprightBox.corners`."""
 
-Point = tuple[float, float, float]
 _PARALLEL = 1e-12
 """Component of a ray below which it does not meet the faces across that axis."""
+
+Point = tuple[float, float, float]
 
 
 def is_noticeable(weather: Weather, ordinary: Weather) -> bool:
@@ -133,7 +139,7 @@ class Sight:
         reach = visual_range(weather)
         if self.distance > reach:
             return f"it is {self.distance:.0f} m away, and the visual range is {reach:.0f} m"
-        if self.area_px < least_area(LEAST_PX, camera):
+        if self.area_px < least_area(LEAST_AREA_PX, camera):
             return f"it covers {self.area_px:.0f} square pixels only, {self.distance:.0f} m away"
         if self.hidden > MOST_HIDDEN:
             return f"{100.0 * self.hidden:.0f} % of it is hidden"
@@ -172,7 +178,7 @@ class Eye:
     def silhouette(self, body: UprightBox) -> list[tuple[float, float]]:
         """Return the outline of a box in the picture plane, not clipped; empty behind the camera."""
         corners = [self.to_camera(corner) for corner in body.corners()]
-        points = [one for one in corners if one[2] >= NEAR_M]
+        points = [corner for corner in corners if corner[2] >= NEAR_M]
         if len(points) < len(corners):
             points += [cut for i, j in _EDGES if (cut := _cut(corners[i], corners[j])) is not None]
         width, height, focal = self.camera.width, self.camera.height, self.focal
@@ -211,6 +217,7 @@ class Eye:
         road: Corridor | None,
         distance: float,
     ) -> float:
+        """Return the share of the rays to a body's silhouette that other bodies or a crest block."""
         nearer = [
             box
             for box in others
@@ -219,21 +226,20 @@ class Eye:
         left, right = min(u for u, _ in shown), max(u for u, _ in shown)
         top, bottom = min(v for _, v in shown), max(v for _, v in shown)
         rays = hidden = 0
-        for i in range(_GRID):
-            for j in range(_GRID):
-                u = left + (right - left) * (i + 0.5) / _GRID
-                v = top + (bottom - top) * (j + 0.5) / _GRID
-                ray = self._ray(u, v)
-                hit = _enters(body, self.place, ray)
-                if hit is None:
-                    continue
-                rays += 1
-                is_behind = any(
-                    (met := _enters(box, self.place, ray)) is not None and met < hit
-                    for box in nearer
-                )
-                if is_behind or (road is not None and _is_behind_crest(self.place, ray, hit, road)):
-                    hidden += 1
+        for i, j in product(range(_GRID), range(_GRID)):
+            u = left + (right - left) * (i + 0.5) / _GRID
+            v = top + (bottom - top) * (j + 0.5) / _GRID
+            ray = self._ray(u, v)
+            hit = _enters(body, self.place, ray)
+            if hit is None:
+                continue
+            rays += 1
+            is_behind_box = any(
+                (entry := _enters(box, self.place, ray)) is not None and entry < hit
+                for box in nearer
+            )
+            if is_behind_box or (road is not None and _is_behind_crest(self.place, ray, hit, road)):
+                hidden += 1
         return hidden / rays if rays else 1.0
 
     def _ray(self, u: float, v: float) -> Point:
@@ -271,19 +277,19 @@ def _enters(body: UprightBox, origin: Point, ray: Point) -> float | None:
             if not low <= begin <= high:
                 return None
             continue
-        one, two = (low - begin) / speed, (high - begin) / speed
-        enter, leave = max(enter, min(one, two)), min(leave, max(one, two))
+        to_low, to_high = (low - begin) / speed, (high - begin) / speed
+        enter, leave = max(enter, min(to_low, to_high)), min(leave, max(to_low, to_high))
     return enter if enter <= leave else None
 
 
 def _is_behind_crest(origin: Point, ray: Point, hit: float, road: Corridor) -> bool:
     """Return whether the road rises above a sight line before the hit."""
     near = None
-    for part in (0.2, 0.35, 0.5, 0.65, 0.8, 0.92):
-        x, y, z = (a + part * hit * b for a, b in zip(origin, ray, strict=True))
+    for share in _CREST_SHARES:
+        x, y, z = (a + share * hit * b for a, b in zip(origin, ray, strict=True))
         s, t = road.locate(x, y, near)
         near = s
-        if z < road.point(s, t)[2] - 0.05:
+        if z < road.point(s, t)[2] - _CREST_M:
             return True
     return False
 

@@ -14,7 +14,7 @@ from oodscen.judging._leaderboard.rows import (
     Task,
     best_floor,
 )
-from oodscen.statistics._significance import PairedTest, holm, paired
+from oodscen.statistics._significance import PairedTest, holm, paired_test
 
 
 class _Pair(NamedTuple):
@@ -64,11 +64,13 @@ def _pair(
     right, right_other = sheet.right(task, items), other.right(task, items)
     is_unlike = sheet.scored_unlike(other) & (task == "open")
     right = np.where(is_unlike, np.nan, right)
-    test = paired(right, right_other, items.clusters, seed=seed)
+    test = paired_test(right, right_other, items.clusters, seed=seed)
     is_missing = sheet.unanswered(task, items) & ~is_unlike
     worst = test
     if test.n and is_missing.any():
-        worst = paired(np.where(is_missing, 0.0, right), right_other, items.clusters, seed=seed)
+        worst = paired_test(
+            np.where(is_missing, 0.0, right), right_other, items.clusters, seed=seed
+        )
     return _Pair(first.model, second.model, test, int(is_missing.sum()), worst)
 
 

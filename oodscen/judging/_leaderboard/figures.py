@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from oodscen.judging._items import AnswerColumns, Floats, Items, Mask, Ratio
 from oodscen.judging._leaderboard.rows import Rate
-from oodscen.statistics._intervals import FEWEST_CLUSTERS, share_bounds
+from oodscen.statistics._intervals import FEWEST_CLUSTERS, share_interval
 from oodscen.statistics._resampling import Resampler
 
 FAULTS = frozenset(("needless", "alarms"))
@@ -124,7 +124,7 @@ def rate(
         missing=missing,
         value=round(hits / n, 6) if n else None,
         with_missing_wrong=round(worst_hits / (n + missing), 6) if n + missing else None,
-        interval=share_bounds(hits, n, units, replicates),
+        interval=share_interval(hits, n, units, replicates),
         paths=units,
     )
 

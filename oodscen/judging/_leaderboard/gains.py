@@ -9,7 +9,7 @@ from oodscen.data._verdict import without_pictures
 from oodscen.judging._items import Items, Ratio, Sheets
 from oodscen.judging._leaderboard.figures import PairColumns
 from oodscen.judging._leaderboard.rows import Estimate, Gain, LeaderboardRow
-from oodscen.statistics._intervals import percentiles
+from oodscen.statistics._intervals import cluster_interval
 from oodscen.statistics._resampling import Resampler
 
 Figure = Literal["notice", "act"]
@@ -25,7 +25,7 @@ def mean_of(resampler: Resampler, column: Ratio) -> Estimate:
     return Estimate(
         value=round(float(column.above.sum()) / n, 6),
         n=n,
-        interval=percentiles(replicates, resampler.count(column.is_there)),
+        interval=cluster_interval(replicates, resampler.count(column.is_there)),
     )
 
 

@@ -34,7 +34,7 @@ def leaderboard(
 ) -> Leaderboard:
     """Return the leaderboard of some verdicts.
 
-    Intervals resample whole paths (`oodscen.statistics._intervals.share_bounds`); comparisons are
+    Intervals resample whole paths (`oodscen.statistics._intervals.share_interval`); comparisons are
     paired over common items and corrected by Holm within a task. An item without an answer counts as
     missing, never as wrong; `Rate.with_missing_wrong` gives the score with all of them counted as wrong. Open aspects
     scored by different judges are not compared.

@@ -25,7 +25,7 @@ from oodscen.judging._leaderboard.rows import (
 )
 from oodscen.statistics._answers import above_chance, d_prime
 from oodscen.statistics._auroc import auroc_of_items
-from oodscen.statistics._intervals import percentiles
+from oodscen.statistics._intervals import cluster_interval
 from oodscen.statistics._resampling import Resampler
 
 
@@ -130,7 +130,7 @@ class _Scores:
     def _estimate(self, value: float | None, n: int, replicates: Floats, known: Mask) -> Estimate:
         """Return a value with its interval over the paths of the items for which it is known."""
         units = self.study.resampler.count(known)
-        return Estimate(value=value, n=n, interval=percentiles(replicates, units))
+        return Estimate(value=value, n=n, interval=cluster_interval(replicates, units))
 
     def _faults_by_kind(self, values: Floats, mask: Mask) -> dict[str, Rate]:
         """Return a figure that counts faults, for every kind of ordinary drive."""

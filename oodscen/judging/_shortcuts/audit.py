@@ -19,7 +19,7 @@ from oodscen.judging._shortcuts import facts
 from oodscen.judging._shortcuts.learners import Learners
 from oodscen.judging._shortcuts.rules import Guess, folds_of, is_audited
 from oodscen.statistics._auroc import auroc_of_items
-from oodscen.statistics._intervals import Floats, percentiles
+from oodscen.statistics._intervals import Floats, cluster_interval
 from oodscen.statistics._resampling import Resampler
 
 Needs = Literal["ground truth", "exact places", "pictures", "settings", "outcomes"]
@@ -231,7 +231,7 @@ def _score(
         balanced_accuracy=Estimate(
             value=guess.balanced(is_rare),
             n=len(calls),
-            interval=percentiles(replicates, resampler.units),
+            interval=cluster_interval(replicates, resampler.units),
         ),
         called_by_kind={
             kind: float(calls[kinds == kind].mean())
@@ -260,6 +260,6 @@ def _pairs(
         balanced_accuracy=Estimate(
             value=float(np.nanmean(wins)),
             n=int(is_drive.sum()),
-            interval=percentiles(replicates, resampler.units),
+            interval=cluster_interval(replicates, resampler.units),
         ),
     )

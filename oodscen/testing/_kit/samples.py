@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from oodscen.data._catalogue import Catalogue, RoadMap
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
-from oodscen.driving._states import kept
+from oodscen.driving._checked_simulator import scene_copy
 from oodscen.protocols import Camera, Control, Frame, Observation, Simulator
 
 SMALL = Camera(width=160, height=120)
@@ -71,7 +71,7 @@ def run_bytes(
     Raises:
         SimulatorError: If the simulator changes the scene.
     """
-    with kept(scene, simulator.name) as given:
+    with scene_copy(scene, simulator.name) as given:
         trace = [simulator.reset(given, seed).fingerprint()]
         trace += frame_bytes(simulator.render(camera)) if camera else []
         for step in range(STEPS):

@@ -11,7 +11,7 @@ from oodscen.data._scene import Actor, Trigger, Weather
 from oodscen.driving import KinematicWorld
 from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.actions import Cruise
-from oodscen.driving._motion.behaviour_kernels import Code
+from oodscen.driving._motion.behaviour_codes import Code
 from oodscen.driving._motion.behaviour_row import BehaviourRow
 from oodscen.driving._motion.behaviours import BEHAVIOURS, BUILT_IN, MOVES_BEFORE_TRIGGER
 from oodscen.protocols import Control

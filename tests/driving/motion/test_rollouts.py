@@ -10,6 +10,7 @@ from oodscen.driving._motion.actions import Cruise, action_driver, is_available
 from oodscen.driving._motion.rollouts import Variation
 from oodscen.driving._motion.world import KinematicWorld
 from oodscen.driving._trace import Course
+from oodscen.errors import UnknownComponent
 from oodscen.stages._safe_actions import runs_red
 from tests.driving.staging import CATALOGUE, actor, scene, world
 
@@ -122,3 +123,9 @@ def test_a_driver_who_reacts_late_first_keeps_lane_and_speed(action: str) -> Non
     for step in range(10):
         moment = replace(now, time=0.05 * step)
         assert late.act(moment) == cruise.act(moment)
+
+
+@pytest.mark.parametrize("action", ["", "fly", "STOP"])
+def test_an_action_that_does_not_exist_is_refused(action: str) -> None:
+    with pytest.raises(UnknownComponent, match="keep_speed"):
+        world(scene()).is_passed(action, Variation(0.0), HORIZON_S)

@@ -123,7 +123,7 @@ def test_what_lies_flat_may_be_stood_upon_but_not_by_the_ego():
     _, shown = moments(scene_)
     car, puddle = shown["first"][1:]
     assert not touch(car, puddle)
-    assert touch(car, puddle, is_tall=False)
+    assert touch(car, puddle, ignores_flat=False)
     above = puddle._replace(solid=dataclasses.replace(car.solid, z=3.0))
     assert not touch(car, above)
 

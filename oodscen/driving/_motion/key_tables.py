@@ -1,0 +1,110 @@
+"""The key poses of motions made to order as rows of the kernels' tables, and the start of their actors."""
+
+from collections.abc import Mapping, Sequence
+
+from oodscen._seeding import stream
+from oodscen.data._motion import ABILITIES, Motion
+from oodscen.driving._motion import columns as col
+from oodscen.driving._motion.bodies import Situation
+from oodscen.driving._motion.keyframes import (
+    ABOARD,
+    AGAINST,
+    AHEAD,
+    ALONG,
+    COURSE,
+    DISTANCE,
+    EGO,
+    FIXED,
+    GO_ON,
+    LANE,
+    LEFT,
+    OTHER,
+    PITCH,
+    REPEAT,
+    ROLL,
+    START,
+    STAY,
+    TIME,
+    UP,
+    YAW,
+    keep_place_on_other,
+)
+from oodscen.numerics._exact import TAU, quantised, sincos, wrapped
+
+FRAMES = {"start": START, "lane": LANE, "other": OTHER, "ego": EGO}
+ARGUMENTS = {"time": TIME, "ego": DISTANCE}
+FACINGS = {"fixed": FIXED, "along": ALONG, "against": AGAINST}
+ENDINGS = {"stay": STAY, "repeat": REPEAT, "go_on": GO_ON}
+_ROLLING = frozenset({"cyclist", "car", "truck"})
+ROLLING_MPS2 = 0.8
+"""Deceleration of what rolls on when it is let go; other things slide, m/s^2."""
+
+
+def key_table(motions: Sequence[Motion], bodies: int) -> tuple[list[list[float]], dict[str, int]]:
+    """Return the rows of `Situation.traits` below the bodies, and the first row of each motion by its id."""
+    rows: list[list[float]] = []
+    firsts = {}
+    for motion in motions:
+        track = motion.track()
+        firsts[motion.id] = bodies + len(rows)
+        rows += [
+            [at, *pose, *slopes]
+            for at, pose, slopes in zip(track.at, track.poses, track.slopes, strict=True)
+        ]
+        if len(track.at) == 1:
+            rows.append([1.0, *track.poses[0], *track.slopes[0]])
+    return rows, firsts
+
+
+def key_codes(motion: Motion, first: int) -> list[int]:
+    """Return the columns of `Situation.codes` from `KEY` on."""
+    return [
+        first,
+        max(2, len(motion.poses())),
+        FRAMES[motion.frame],
+        ARGUMENTS[motion.by],
+        FACINGS[motion.facing],
+        ENDINGS[motion.then],
+        int(motion.is_tilting or any(pose.up < 0.0 for pose in motion.poses())),
+    ]
+
+
+def key_traits(motion: Motion, actor: str, seed: int) -> Mapping[int, float]:
+    """Return the columns of `Situation.traits` of an actor that moves so."""
+    drawn = stream(seed, "motion", actor)
+    delay, pace = float(drawn.uniform(0.0, 1.0)), float(drawn.uniform(-1.0, 1.0))
+    able = ABILITIES[motion.body]
+    return {
+        col.PIVOT: motion.pivot_m,
+        col.DELAY: quantised(motion.delay * delay),
+        col.PACE: quantised(1.0 + motion.pace * pace),
+        col.LET_GO: -1.0 if motion.let_go is None else motion.let_go,
+        col.FASTEST: motion.fastest,
+        col.CLIMB: able.climb,
+        col.SPINNIEST: able.spin * TAU / 360.0,
+        col.DECELERATION: ROLLING_MPS2 if motion.body in _ROLLING else 0.0,
+    }
+
+
+def pose_first(w: Situation, i: int) -> bool:
+    """Put an actor into the first of its key poses, and return whether it goes with another body."""
+    state, traits, frame = w.state, w.traits, w.codes[i, col.FRAME]
+    if frame in (START, LANE):
+        traits[i, col.APART_X], traits[i, col.APART_Y] = state[i, col.X], state[i, col.Y]
+        traits[i, col.APART_YAW] = state[i, col.YAW if frame == START else col.HEADING]
+    state[i, COURSE] = state[i, col.YAW]
+    first = w.codes[i, col.KEY]
+    values = [w.traits[first, col.POSE + axis] for axis in range(6)]
+    if frame != OTHER:
+        state[i, col.YAW] = quantised(wrapped(state[i, col.YAW] + values[YAW]))
+        state[i, col.HEADING] = quantised(wrapped(state[i, col.HEADING] + values[YAW]))
+    if frame in (START, LANE) and w.codes[i, col.THEN] != REPEAT:
+        sine, cosine = sincos(values[YAW])
+        along, aside = (w.traits[first, col.SLOPE + axis] for axis in (AHEAD, LEFT))
+        state[i, col.SPEED] = quantised((along * cosine + aside * sine) * traits[i, col.PACE])
+    state[i, col.LIFT] = quantised(values[UP])
+    state[i, col.PITCH], state[i, col.ROLL] = quantised(values[PITCH]), quantised(values[ROLL])
+    if frame == OTHER:
+        state[i, ABOARD] = 1.0
+        keep_place_on_other(w, i)
+    return bool(frame == OTHER)
