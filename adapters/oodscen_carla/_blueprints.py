@@ -21,7 +21,7 @@ def own_id(asset: Asset) -> str:
     return f"{_prefix(asset)}.{asset.id}"
 
 
-def blueprint_of(asset: Asset, offered: Collection[str], known: Iterable[Asset]) -> str | None:
+def blueprint_of(asset: Asset, offered: Collection[str], blueprints: Iterable[Asset]) -> str | None:
     """Return the id of the blueprint that shows an asset, or `None` if there is none of its kind.
 
     It is the asset's own, or else that of the same thing in CARLA's catalogue, or else the one of
@@ -30,12 +30,12 @@ def blueprint_of(asset: Asset, offered: Collection[str], known: Iterable[Asset])
     Args:
         asset: The asset to show.
         offered: Ids of the blueprints that the server has.
-        known: CARLA's catalogue of blueprints with their sizes.
+        blueprints: CARLA's catalogue of blueprints with their sizes.
     """
     for name in (asset.id, own_id(asset)):
         if name in offered:
             return name
-    candidates = [other for other in known if other.id in offered and _is_alike(other, asset)]
+    candidates = [other for other in blueprints if other.id in offered and _is_alike(other, asset)]
     return nearest(asset, candidates).id if candidates else None
 
 

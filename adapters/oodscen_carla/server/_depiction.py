@@ -60,7 +60,7 @@ def street_scene(
     road_map: RoadMap, catalogue: Catalogue, weather: Weather, lit: Iterable[LitVehicle]
 ) -> Scene:
     """Return a scene without a hazard, by which a simulator draws a road, its weather and lit vehicles."""
-    known = {known_map.id for known_map in catalogue.maps}
+    map_ids = {each.id for each in catalogue.maps}
     actors = {
         vehicle.name: Actor(
             id=vehicle.name,
@@ -73,7 +73,7 @@ def street_scene(
     return Scene(
         id="carla",
         scenario_id="carla",
-        map=road_map.id if road_map.id in known else road_map.file,
+        map=road_map.id if road_map.id in map_ids else road_map.file,
         ego=Ego(speed=0.0),
         weather=weather,
         actors=tuple(actors.values()),

@@ -205,7 +205,7 @@ class ActionReader:
 
     def _ego_direction(self, place: EntityPlace) -> int:
         """Return +1 if the ego drives along the reference line of the road of a place, else -1."""
-        ego = self.positions.known.get(self.ego)
+        ego = self.positions.places.get(self.ego)
         return place.direction if ego is None else self.positions.roads.direction_beside(ego, place)
 
     def _target_lane(self, node: Element) -> int | None:
@@ -246,9 +246,9 @@ class ActionReader:
 
     def _course_origin(self, name: str, points: list[CoursePoint]) -> EntityPlace | None:
         """Return the place of an entity at the start, which is that of a course's first point if it has no other."""
-        if name not in self.positions.known and points:
-            self.positions.known[name] = points[0].place
-        return self.positions.known.get(name)
+        if name not in self.positions.places and points:
+            self.positions.places[name] = points[0].place
+        return self.positions.places.get(name)
 
     def _has_times(self, name: str, node: Element) -> bool:
         """Return whether the times of a course count: without a time reference only for what stands."""

@@ -49,7 +49,7 @@ class EgoDistances:
 
     def shift_m(self, other: str) -> float:
         """Return the distance of the reference points of the ego and another less that of their centres, m."""
-        place, ego = self.positions.known.get(other), self.positions.known.get(self.ego)
+        place, ego = self.positions.places.get(other), self.positions.places.get(self.ego)
         ahead_m = self.boxes[other].ahead_m * math.cos(self._turn(other))
         shift_m = self.boxes[self.ego].ahead_m - ahead_m
         if place is not None and ego is not None and place.offset_from(ego)[0] < 0.0:
@@ -70,5 +70,5 @@ class EgoDistances:
         return value_m + ego_half_m + other_half_m
 
     def _turn(self, other: str) -> float:
-        place, ego = self.positions.known.get(other), self.positions.known.get(self.ego)
+        place, ego = self.positions.places.get(other), self.positions.places.get(self.ego)
         return 0.0 if place is None or ego is None else place.heading - ego.heading

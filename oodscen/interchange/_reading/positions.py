@@ -274,11 +274,11 @@ class Positions:
         """
         self.roads = roads
         self.side = -1.0 if is_mirrored else 1.0
-        self.known: dict[str, EntityPlace] = {}
+        self.places: dict[str, EntityPlace] = {}
 
     def in_lane(self, name: str) -> EntityPlace | None:
         """Return the pose of an entity with its lane, as far as both are known."""
-        pose = self.known.get(name)
+        pose = self.places.get(name)
         return None if pose is None else self.roads.in_lane(pose)
 
     def reference(self, holder: Element) -> str:
@@ -315,20 +315,20 @@ class Positions:
         return self.roads.at(node, node.get("roadId"), node.number("s"), 0, node.number("t"))
 
     def _relative_object(self, node: Element) -> EntityPlace | None:
-        origin = self.known.get(node.get("entityRef"))
+        origin = self.places.get(node.get("entityRef"))
         if origin is None:
             return None
         return origin.moved(node.number("dx"), node.number("dy"))
 
     def _relative_world(self, node: Element) -> EntityPlace | None:
-        origin = self.known.get(node.get("entityRef"))
+        origin = self.places.get(node.get("entityRef"))
         if origin is None:
             return None
         dx, dy = node.number("dx"), self.side * node.number("dy")
         return EntityPlace(origin.x + dx, origin.y + dy, origin.heading)
 
     def _relative_road(self, node: Element) -> EntityPlace | None:
-        origin = self.known.get(node.get("entityRef"))
+        origin = self.places.get(node.get("entityRef"))
         if origin is None:
             return None
         node.note("is read as ahead of the entity and to its left")

@@ -15,8 +15,8 @@ def read_starts(root: Element, positions: Positions) -> None:
         for holder in holders:
             place = positions.read(holder)
             if place is not None:
-                positions.known[name] = place
-        if name in positions.known:
+                positions.places[name] = place
+        if name in positions.places:
             ready.extend(waiting.pop(name, []))
     for unplaced in waiting.values():
         for _, holders in unplaced:
@@ -43,7 +43,7 @@ def _positions_by_entity(root: Element, positions: Positions) -> dict[str, list[
 
 def centre_of(name: str, entity: Element, positions: Positions) -> EntityPlace | None:
     """Return the pose of an entity's centre, which is ahead of a vehicle's reference point."""
-    place = positions.known.get(name)
+    place = positions.places.get(name)
     centre = next(entity.within("Center"), None)
     if place is None or centre is None:
         return place

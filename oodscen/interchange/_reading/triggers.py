@@ -162,7 +162,7 @@ class TriggerReader:
     def _followed_start(self, step: PhaseEvent) -> Trigger | None:
         """Return when an event starts.
 
-        It is `None` for an event of nobody in the file, and for one that waits for itself, for too many others, or
+        It is `None` for an event without entities, and for one that waits for itself, for too many others, or
         for something unknown.
         """
         element = step.event.element
@@ -261,10 +261,10 @@ class TriggerReader:
         if node.name == "DistanceCondition":
             _check_along(node)
         reach_m = self._reach_m(node)
-        own_place = self.positions.known.get(owner)
+        own_place = self.positions.places.get(owner)
         if own_place is not None and self.speeds.get(owner, 0.0) < STANDING_MPS:
             return self._to_standing(node, own_place, place, reach_m, owner)
-        ahead_m, left_m = place.offset_from(self.positions.known[self.ego])
+        ahead_m, left_m = place.offset_from(self.positions.places[self.ego])
         if ahead_m < 0.0:
             raise _UnreadError("a place that is not ahead is not read")
         speed = self._first_speed(subject)
@@ -284,7 +284,7 @@ class TriggerReader:
         self, node: Element, own_place: EntityPlace, place: EntityPlace, reach_m: float, owner: str
     ) -> Trigger:
         """Return the ego's distance to an owner that stands when it is near a place."""
-        ego = self.positions.known[self.ego]
+        ego = self.positions.places[self.ego]
         apart_m = own_place.offset_from(ego)[0] - place.offset_from(ego)[0]
         distance_m = apart_m + reach_m - self.distances.shift_m(owner)
         if abs(distance_m - reach_m) > _NEAR_M:
