@@ -110,7 +110,7 @@ class ShownDrive:
 
 
 def _behind(episode: Episode) -> str | None:
-    """Return who follows the ego; empty if nobody does, `None` if it was not recorded."""
+    """Return the follower with its article; empty without one, `None` if it was not recorded."""
     if episode.follower is None:
         return None if episode.ego_speed_mps is None else ""
     noun = re.sub(r"[\W_]+", " ", episode.follower.what).strip()

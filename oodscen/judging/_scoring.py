@@ -145,23 +145,23 @@ class GivenAnswers:
     kind: Literal["model", "reference"] = "model"
 
 
-def score_answers(key: AnswerKey, given: GivenAnswers, judge: LLM | None = None) -> Verdict:
+def score_answers(key: AnswerKey, answers: GivenAnswers, judge: LLM | None = None) -> Verdict:
     """Compare answers with the truth about the drive; a judge decides about open aspects instead of the matcher."""
-    error = given.failures[0] if given.failures else None
+    error = answers.failures[0] if answers.failures else None
     verdict = Verdict(
-        id=verdict_id(key.item, given.answerer, given.protocol),
+        id=verdict_id(key.item, answers.answerer, answers.protocol),
         scene_id=key.item,
-        model=given.answerer,
-        kind=given.kind,
+        model=answers.answerer,
+        kind=answers.kind,
         status="failed" if error else "ok",
-        outcome=_outcome(error) if error else _answered(key, given.fields.get("action")),
+        outcome=_outcome(error) if error else _answered(key, answers.fields.get("action")),
         error=str(error)[:_LONGEST_ERROR] if error else None,
         error_type=type(error).__name__ if error else "",
-        retryable=any(getattr(failure, "retryable", False) for failure in given.failures),
-        protocol=given.protocol,
+        retryable=any(getattr(failure, "retryable", False) for failure in answers.failures),
+        protocol=answers.protocol,
         is_ordinary=is_ordinary(key.item),
-        **given.fields,
-        **_scores(key, given),
+        **answers.fields,
+        **_scores(key, answers),
     )
     if judge is None or not is_open(verdict):
         return verdict
@@ -169,7 +169,7 @@ def score_answers(key: AnswerKey, given: GivenAnswers, judge: LLM | None = None)
     return rescore_verdict(verdict, key.path, {opinion.id: opinion}, opinion.judge, key.visible)
 
 
-def rescored(verdict: Verdict, key: AnswerKey, given: GivenAnswers) -> Verdict:
+def rescored(verdict: Verdict, key: AnswerKey, answers: GivenAnswers) -> Verdict:
     """Return a stored verdict with everything that follows from its answers computed again.
 
     The score of an open aspect is left to `rescore_verdict`. A reference's verdict has nothing else to keep.
@@ -177,27 +177,27 @@ def rescored(verdict: Verdict, key: AnswerKey, given: GivenAnswers) -> Verdict:
     Args:
         verdict: The verdict as it was stored.
         key: The truth.
-        given: Its answers.
+        answers: Its answers.
     """
-    if given.kind == "reference":
+    if answers.kind == "reference":
         verdict = Verdict(**verdict.model_dump(include=_KEPT_OF_REFERENCES))
     answered = {
         "scene_id": key.item,
-        "model": given.answerer,
-        "kind": given.kind,
-        "protocol": given.protocol,
+        "model": answers.answerer,
+        "kind": answers.kind,
+        "protocol": answers.protocol,
         "is_ordinary": is_ordinary(key.item),
-        **given.fields,
+        **answers.fields,
     }
     verdict = verdict.model_copy(update=answered)
     scores = dict[str, Any]()
     if is_open(verdict):
-        given = replace(given, fields={**given.fields, "is_ood": None})
+        answers = replace(answers, fields={**answers.fields, "is_ood": None})
     else:
         scores = {"thing_is_right": None, "aspect_is_right": None}
     if verdict.status == "ok":
         scores["outcome"] = _answered(key, verdict.action)
-    return verdict.model_copy(update=scores | _scores(key, given))
+    return verdict.model_copy(update=scores | _scores(key, answers))
 
 
 _KEPT_OF_REFERENCES = {
@@ -234,9 +234,9 @@ def is_scored(verdict: Verdict, key: AnswerKey, opinions: Mapping[str, Opinion])
     return all(getattr(verdict, name) == value for name, value in scores.items())
 
 
-def _scores(key: AnswerKey, given: GivenAnswers) -> dict[str, Any]:
+def _scores(key: AnswerKey, answers: GivenAnswers) -> dict[str, Any]:
     """Return the verdict's fields about what is right; those of an open aspect only if it is scored here."""
-    fields, is_usual = given.fields, is_ordinary(key.item)
+    fields, is_usual = answers.fields, is_ordinary(key.item)
     is_ood, action = fields.get("is_ood"), fields.get("action")
     scores: dict[str, Any] = {
         "choice_is_right": None,
@@ -253,7 +253,7 @@ def _scores(key: AnswerKey, given: GivenAnswers) -> dict[str, Any]:
         scores["choice_is_right"] = fields["choice"] == right
     outcome = key.actions.get(action or "")
     if outcome is not None:
-        is_paper = given.protocol == "paper"
+        is_paper = answers.protocol == "paper"
         success = not outcome.unavailable and not outcome.contacts and key.is_deterministic
         is_marginal = outcome.marginal and not is_paper
         is_safe = success if is_paper else outcome.safe

@@ -126,7 +126,7 @@ def _best_blind(board: Leaderboard) -> LeaderboardRow | None:
 
 
 def _line(row: LeaderboardRow, *floors: LeaderboardRow | None) -> PrintedRow:
-    is_floor = any(
+    is_floor = row.kind == "reference" and any(
         (row.control, row.detection, row.identification)
         == (floor.control, floor.detection, floor.identification)
         for floor in floors

@@ -104,18 +104,24 @@ def rarity_variables(
     rated: list[_RatedSet] = []
     if metrics is not None:
         measured = [_RatedSet.of(name, label, metrics.sets[name]) for name, label in labels.items()]
-        rated = [one for one in measured if one.values]
+        rated = [rated_set for rated_set in measured if rated_set.values]
     # Rarities belong to texts only as long as there are as many of both.
-    matched = [one for one in rated if len(texts.get(one.name, ())) == len(one.estimates)]
-    simulatable = next((one for one in matched if one.name == "simulatable"), None)
-    distributions = [(one.name, list(one.values.values())) for one in rated]
-    clouds = [one.cloud() for one in rated]
+    matched = [
+        rated_set
+        for rated_set in rated
+        if len(texts.get(rated_set.name, ())) == len(rated_set.estimates)
+    ]
+    simulatable = next(
+        (rated_set for rated_set in matched if rated_set.name == "simulatable"), None
+    )
+    distributions = [(rated_set.name, list(rated_set.values.values())) for rated_set in rated]
+    clouds = [rated_set.cloud() for rated_set in rated]
     title = "Rarity and OOD-ness of every text"
     axes = ("rarity, decimal logarithm of kilometres", "OOD-ness")
     return {
-        "rarity_rows": [one.row() for one in rated],
+        "rarity_rows": [rated_set.row() for rated_set in rated],
         "rarity_chart": boxes(distributions) if rated else None,
-        "rarity_ends": [one.ends(texts[one.name]) for one in matched],
+        "rarity_ends": [rated_set.ends(texts[rated_set.name]) for rated_set in matched],
         "rarity_families": _families(simulatable, texts) if simulatable else [],
         "rarity_against": scatter(clouds, title, axes) if rated else None,
         "rarity_model": metrics.asked if metrics is not None else None,

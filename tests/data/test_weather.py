@@ -13,7 +13,7 @@ from oodscen.stages._demands import demanding
 FALLING = set(PRECIPITATIONS) - {"none"}
 
 
-@pytest.mark.parametrize("table", [_tags._FALLING, demanding._FALLING])
+@pytest.mark.parametrize("table", [_tags._PRECIPITATION, demanding._FALLING])
 def test_every_precipitation_has_a_row(table):
     assert set(table) == FALLING
 

@@ -39,15 +39,15 @@ def comparisons(
     """Return the models' comparisons with one another, and with the best reference or shortcut, by task."""
     ours = [row for row in standings if row.protocol == "ours"]
     models = [row for row in ours if row.is_judged]
-    found: list[ModelComparison] = []
+    results: list[ModelComparison] = []
     for task in TASKS:
         pairs = [_pair(items, task, *both, sheets, seed=seed) for both in combinations(models, 2)]
-        found += _family(task, "model", [pair for pair in pairs if pair.test.n])
+        results += _family(task, "model", [pair for pair in pairs if pair.test.n])
         floor = best_floor([*ours, *([shortcut] if shortcut else [])], task)
         if floor is not None:
             pairs = [_pair(items, task, model, floor, sheets, seed=seed) for model in models]
-            found += _family(task, "floor", [pair for pair in pairs if pair.test.n])
-    return found
+            results += _family(task, "floor", [pair for pair in pairs if pair.test.n])
+    return results
 
 
 def _pair(

@@ -127,9 +127,9 @@ class _Scores:
     def _rate(self, column: Ratio, *, is_fault: bool = False) -> Rate:
         return rate(self.study.resampler, column, self.sheet, is_fault=is_fault)
 
-    def _estimate(self, value: float | None, n: int, replicates: Floats, known: Mask) -> Estimate:
-        """Return a value with its interval over the paths of the items for which it is known."""
-        units = self.study.resampler.count(known)
+    def _estimate(self, value: float | None, n: int, replicates: Floats, counted: Mask) -> Estimate:
+        """Return a value with its interval over the paths of the items that count."""
+        units = self.study.resampler.count(counted)
         return Estimate(value=value, n=n, interval=cluster_interval(replicates, units))
 
     def _faults_by_kind(self, values: Floats, mask: Mask) -> dict[str, Rate]:
@@ -240,11 +240,11 @@ class _Scores:
         if not noticed.n or not quiet.n:
             return Estimate()
         resampler, is_scene = self.study.resampler, self.study.items.is_scene
-        known = np.isfinite(self.sheet.called)
-        called = np.where(known, self.sheet.called, 0.0)
-        columns = [values * side for side in (is_scene, ~is_scene) for values in (called, known)]
+        answered = np.isfinite(self.sheet.called)
+        called = np.where(answered, self.sheet.called, 0.0)
+        columns = [values * side for side in (is_scene, ~is_scene) for values in (called, answered)]
         counts = resampler.weights @ resampler.summed(np.stack(columns, axis=1))
         distinct, row_of = np.unique(counts, axis=0, return_inverse=True)
         values = np.array([d_prime(*row) for row in distinct.tolist()], np.float64)
         value = d_prime(noticed.hits, noticed.n, quiet.n - quiet.hits, quiet.n)
-        return self._estimate(value, noticed.n + quiet.n, values[row_of.ravel()], known)
+        return self._estimate(value, noticed.n + quiet.n, values[row_of.ravel()], answered)

@@ -132,7 +132,9 @@ class Canvas:
         figure = Figure(figsize=(_INCHES, height * unit), dpi=110)
         axes = figure.add_axes((0, 0, 1, 1), xlim=(0, width), ylim=(height, 0))
         axes.set_axis_off()
-        alike = groupby(self._root, lambda one: (one.tag, one.get("class"), one.get("r")))
+        alike = groupby(
+            self._root, lambda element: (element.tag, element.get("class"), element.get("r"))
+        )
         for order, ((tag, *_), elements) in enumerate(alike):
             _DRAW[tag](axes, list(elements), unit * 72, order)
         return figure

@@ -91,7 +91,7 @@ def _distributions(sets: Named, label: str) -> "Figure":
         HistogramRow(name, values.tolist(), float(np.mean(values)))
         for name, values in scores.items()
     ]
-    return histogram(strips, what=label).figure()
+    return histogram(strips, quantity=label).figure()
 
 
 def _size_curve(sets: Mapping[str, Vectors], *, repeats: int, seed: int) -> "Figure":

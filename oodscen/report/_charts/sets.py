@@ -50,17 +50,17 @@ class Cloud(NamedTuple):
 def histogram(
     strips: Sequence[HistogramRow],
     marker: float | None = None,
-    marked: str = "",
+    marker_label: str = "",
     *,
-    what: str = "OOD-ness",
+    quantity: str = "OOD-ness",
 ) -> Canvas:
     """Draw one histogram per set of values over a common axis, each scaled to its own highest bar.
 
     Args:
         strips: The sets; each has at least one value.
         marker: A value to mark across all of them.
-        marked: Label of that value.
-        what: Name of the values.
+        marker_label: Label of that value.
+        quantity: Name of the values.
     """
     right, height = WIDTH - 18, 22 + len(strips) * (_STRIP + _GAP)
     edges = [value for strip in strips for value in strip.values]
@@ -69,7 +69,7 @@ def histogram(
     low, high = _floor(min(edges), step), _floor(max(edges), step) + step
     x, ticks = linear(low, high, _NAMES, right), round((high - low) / step)
     canvas = Canvas(
-        f"{what} per text: "
+        f"{quantity} per text: "
         + "; ".join(
             f"{strip.label}, {len(strip.values)} texts, mean {signed(strip.mean)}"
             for strip in strips
@@ -78,7 +78,7 @@ def histogram(
     )
     for index in range(0, ticks + 1, 2 if ticks > 6 else 1):
         canvas.column(x(low + step * index), 18, height, signed(low + step * index, _digits(step)))
-    canvas.text("tick", 0, height + 16, what)
+    canvas.text("tick", 0, height + 16, quantity)
     for number, strip in enumerate(strips):
         base = 22 + _STRIP + number * (_STRIP + _GAP)
         counts = np.histogram(np.clip(strip.values, low, high), max(5 * ticks, 1), (low, high))[
@@ -97,7 +97,7 @@ def histogram(
     if marker is not None:
         canvas.line("reference", x(marker), 4, x(marker), height)
         end, gap = (" end", -5) if x(marker) > (_NAMES + right) / 2 else ("", 5)
-        canvas.text(f"tick{end}", x(marker) + gap, 12, marked)
+        canvas.text(f"tick{end}", x(marker) + gap, 12, marker_label)
     return canvas
 
 
@@ -184,7 +184,7 @@ def cloud_map(clouds: Sequence[Cloud], share: Sequence[float], *, colour: int = 
         for first, second in (np.array(cloud.points) - low) * scale:
             canvas.circle(f"{kind} {set_class(place)}", left + first, height - 10 - second, radius)
     canvas.legend(entries, height + 14)
-    axes = ", ".join(f"{name}: {held:.0%}" for name, held in zip("xy", share, strict=False))
+    axes = ", ".join(f"{name}: {part:.0%}" for name, part in zip("xy", share, strict=False))
     canvas.text("tick", 5, height + 14 + legend_height(entries), f"Share of the variance, {axes}")
     return canvas
 
