@@ -69,9 +69,9 @@ class Composer:
         self.knowledge = knowledge
         self._agreement = Agreement(knowledge)
 
-    def text(self, hazard: HazardKind, rng: np.random.Generator) -> str:
-        """Return a text in natural prose."""
-        return next(self.texts(hazard, rng, set()))
+    def text(self, hazard: HazardKind, rng: np.random.Generator, style: Style = "natural") -> str:
+        """Return one text."""
+        return next(self.texts(hazard, rng, set(), style))
 
     def texts(
         self,

@@ -98,7 +98,7 @@ def pairs(knowledge: Knowledge, recogniser: Recogniser) -> list[tuple[str, str]]
     composer, twins = Composer(knowledge), OrdinaryAuthor(knowledge, recogniser)
     for number, hazard in enumerate(knowledge.hazards):
         for turn, style in enumerate((STYLES[number % len(STYLES)], "natural")):
-            text = next(composer.texts(hazard, stream(turn, hazard.id), set(), style))
+            text = composer.text(hazard, stream(turn, hazard.id), style)
             found.append((text, twins.twin(text, hazard.label, stream(turn, text))))
     return found
 
