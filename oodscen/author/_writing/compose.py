@@ -272,7 +272,7 @@ class _Turns:
         return None
 
     def _deck(self, deck: str, size: int, *, is_fresh: bool = False) -> list[int]:
-        """Return the indices left in a deck; an empty one, or one that is to be fresh, is shuffled anew."""
+        """Return the indices left in a deck; an empty one, or one that is to be fresh, is shuffled again."""
         indices = self._decks.setdefault(deck, [])
         if is_fresh or not indices:
             indices[:] = [int(index) for index in self._rng.permutation(size)]
