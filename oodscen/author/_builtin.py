@@ -49,7 +49,7 @@ _WORDS_OF_ACTS = frozenset(
     """driver drives pedestrian cyclist motorcyclist child dog deer animal crowd police runs walks
     crosses overtakes swerves brakes reverses cuts merges jumps changes chases""".split()
 )
-"""Words of texts about what somebody does, by which an unknown scenario counts as interactional."""
+"""Words of texts about actions, by which an unknown scenario counts as interactional."""
 
 
 class BuiltinAuthor(Brief):

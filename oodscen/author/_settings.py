@@ -22,9 +22,9 @@ from oodscen.prompts._digest import CatalogueDigest, MapLine
 
 _OF_LANES = frozenset({"one_way", "oncoming", "two_lane", "three_lane", "four_lane"})
 """Traits that the phrases of a place tell in words of their own, or not at all."""
-_THICK_M = 1_000.0
+_FOG_M = 1_000.0
 """Visual range below which a text calls it fog, m."""
-_LOW_DEG = 15.0
+_LOW_SUN_DEG = 15.0
 """Elevation below which a text says where the sun is, degrees."""
 _ZENITH_DEG = 90.0
 
@@ -55,10 +55,14 @@ class Showable:
         If it can show none of the places or none of the conditions, all of them are kept: staging then says what is
         missing.
         """
-        known = self.knowledge.condition_keys
-        shown = [key for key in hazard.conditions if key not in known or self._has(known[key])]
+        conditions = self.knowledge.condition_keys
+        shown = [
+            key
+            for key in hazard.conditions
+            if key not in conditions or self._can_show(conditions[key])
+        ]
         return Scope(
-            self._shown(hazard) or places_of(hazard, self.knowledge),
+            self._places(hazard) or places_of(hazard, self.knowledge),
             shown or hazard.conditions,
             self._traffic,
         )
@@ -66,15 +70,15 @@ class Showable:
     def lacking_place(self, hazard: HazardKind) -> tuple[str, ...]:
         """Return the traits of a road on which a hazard could be met; none if the catalogue has such a road."""
         places = places_of(hazard, self.knowledge)
-        if not places or self._shown(hazard):
+        if not places or self._places(hazard):
             return ()
         first = places[0]
         return tuple(trait for trait in first.traits if trait not in {*_OF_LANES, *first.told})
 
-    def _shown(self, hazard: HazardKind) -> list[RoadKind]:
+    def _places(self, hazard: HazardKind) -> list[RoadKind]:
         """Return the places of a hazard that the catalogue has, in the author's words or else in the catalogue's."""
         places, roads = places_of(hazard, self.knowledge), roads_for(hazard, self.digest)
-        return list(_phrased(places, roads)) or _described(places, roads)
+        return list(_by_phrases(places, roads)) or _by_description(places, roads)
 
     @cached_property
     def _traffic(self) -> tuple[BackgroundTraffic, ...]:
@@ -86,20 +90,20 @@ class Showable:
             and (traffic.actor is None or traffic.actor.behaviour in behaviours)
         )
 
-    def _has(self, condition: Conditions) -> bool:
+    def _can_show(self, condition: Conditions) -> bool:
         limits, weather = self.digest.limits, condition.weather
         highest = _highest(weather.get("sun_elevation_deg"), _ZENITH_DEG)
-        if highest < limits.sun_deg or (highest < _LOW_DEG and not limits.sun_is_drawn):
+        if highest < limits.sun_deg or (highest < _LOW_SUN_DEG and not limits.sun_is_drawn):
             return False
-        falling = weather.get("precipitation", "none")
-        if falling != "none":
+        precipitation = weather.get("precipitation", "none")
+        if precipitation != "none":
             least = _lowest(weather.get("precipitation_mm_h"), 0.0)
-            if not limits.offers(str(falling)) or limits.intensity < least:
+            if not limits.offers(str(precipitation)) or limits.intensity < least:
                 return False
         if _highest(weather.get("friction"), 1.0) < limits.friction:
             return False
-        range_m = _highest(weather.get("fog_visual_range_m"), _THICK_M)
-        return range_m >= min(limits.fog_m, _THICK_M)
+        range_m = _highest(weather.get("fog_visual_range_m"), _FOG_M)
+        return range_m >= min(limits.fog_m, _FOG_M)
 
     def _has_things(self, phrase: str) -> bool:
         return all(
@@ -123,7 +127,7 @@ def places_of(hazard: HazardKind, knowledge: Knowledge) -> list[RoadKind]:
     return [place for key in hazard.places for place in knowledge.place_keys.get(key, ())]
 
 
-def _phrased(places: Iterable[RoadKind], roads: Sequence[MapLine]) -> Iterator[RoadKind]:
+def _by_phrases(places: Iterable[RoadKind], roads: Sequence[MapLine]) -> Iterator[RoadKind]:
     """Yield the places that one of the roads is, with the phrases that are true of it."""
     featured = [(road, frozenset(road.features)) for road in roads]
     for place in places:
@@ -131,7 +135,10 @@ def _phrased(places: Iterable[RoadKind], roads: Sequence[MapLine]) -> Iterator[R
         phrases = tuple(
             phrase
             for phrase in place.phrases
-            if any(_is_true(_said(phrase, place.traits, told), *one) for one in featured)
+            if any(
+                _is_true(_statement(phrase, place.traits, told), road, features)
+                for road, features in featured
+            )
         )
         if len(phrases) == len(place.phrases):
             yield place
@@ -139,7 +146,7 @@ def _phrased(places: Iterable[RoadKind], roads: Sequence[MapLine]) -> Iterator[R
             yield place.model_copy(update={"phrases": phrases})
 
 
-def _described(places: Iterable[RoadKind], roads: Sequence[MapLine]) -> list[RoadKind]:
+def _by_description(places: Iterable[RoadKind], roads: Sequence[MapLine]) -> list[RoadKind]:
     """Return the roads of the kinds that the places are, each by its own description."""
     return [
         place.model_copy(update={"traits": road.traits, "phrases": (f"on {road.description}",)})
@@ -147,11 +154,11 @@ def _described(places: Iterable[RoadKind], roads: Sequence[MapLine]) -> list[Roa
         for road in roads
         if place.traits[0] in road.traits
         and road.description.startswith(("a ", "an "))
-        and all(_holds(claim, road) for claim in _claimed(f"on {road.description}"))
+        and all(_holds(claim, road) for claim in _claims_of(f"on {road.description}"))
     ]
 
 
-class _Said(NamedTuple):
+class _RoadStatement(NamedTuple):
     """The traits and claims that a phrase of a place tells of its road."""
 
     traits: frozenset[str]
@@ -159,24 +166,24 @@ class _Said(NamedTuple):
 
 
 @lru_cache(maxsize=2048)
-def _said(
+def _statement(
     phrase: str, traits: tuple[str, ...], told: tuple[tuple[str, tuple[str, ...]], ...]
-) -> _Said:
+) -> _RoadStatement:
     """Return what a phrase tells of a road with these traits, some of which it tells by one of their words only."""
     unknown = {
         trait
         for trait, words in told
         if not any(re.search(rf"\b{re.escape(word)}", phrase) for word in words)
     }
-    return _Said(frozenset(traits) - _OF_LANES - unknown, _claimed(phrase))
+    return _RoadStatement(frozenset(traits) - _OF_LANES - unknown, _claims_of(phrase))
 
 
-def _is_true(said: _Said, road: MapLine, features: frozenset[str]) -> bool:
+def _is_true(statement: _RoadStatement, road: MapLine, features: frozenset[str]) -> bool:
     """Return whether a road is as a phrase tells; one without traits or without a file may be anything."""
     if not road.traits or not road.layout:
         return True
-    are_there = all(trait in features or is_of_kind(trait, road) for trait in said.traits)
-    return are_there and all(_holds(claim, road) for claim in said.claims)
+    has_traits = all(trait in features or is_of_kind(trait, road) for trait in statement.traits)
+    return has_traits and all(_holds(claim, road) for claim in statement.claims)
 
 
 def _holds(claim: Claim, road: MapLine) -> bool:
@@ -184,7 +191,7 @@ def _holds(claim: Claim, road: MapLine) -> bool:
 
 
 @lru_cache(maxsize=512)
-def _claimed(phrase: str) -> tuple[Claim, ...]:
+def _claims_of(phrase: str) -> tuple[Claim, ...]:
     """Return what a phrase claims about the road."""
     return tuple(road_claims(read_claims(f"The ego vehicle is {phrase}.")))
 

@@ -1,5 +1,6 @@
 """Answers about the tree: proposing a tree, and finding the place of a scenario in it."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -12,6 +13,11 @@ from oodscen.prompts._tree.place_scenario import MOST_ALSO, AlsoFits, PlacedScen
 from oodscen.prompts._tree.propose_tree import ProposedNode, ProposedTree, ProposeTree
 from oodscen.tree._scenario_tree import CLASSES, ROOT, Node
 
+_NEW_FAMILY_AT_LAST = 9
+"""Rank of a family that would take the last nodes."""
+_MOST_EXAMPLES = 6
+"""Largest number of the model's own examples that a tree takes over."""
+
 
 @dataclass
 class _Draft:
@@ -21,17 +27,37 @@ class _Draft:
     families: dict[str, list[HazardKind]] = field(default_factory=dict)
     bare: list[HazardKind] = field(default_factory=list)
     """Leaves directly below their class, because a family would take one node too many."""
+    class_sizes: Counter[str] = field(default_factory=Counter)
+    """Number of leaves by class."""
 
     def cost(self, hazard: HazardKind) -> int:
+        """Return the number of nodes that a hazard takes: its leaf, and its family if that is new."""
         return 1 if hazard.family in self.families else 2
 
     def add(self, hazard: HazardKind) -> None:
+        """Add a hazard below its family."""
         self.room -= self.cost(hazard)
+        self.class_sizes[hazard.class_name] += 1
         self.families.setdefault(hazard.family, []).append(hazard)
 
+    def add_bare(self, hazard: HazardKind) -> None:
+        """Add a hazard directly below its class."""
+        self.room -= 1
+        self.class_sizes[hazard.class_name] += 1
+        self.bare.append(hazard)
+
     @property
-    def chosen(self) -> list[HazardKind]:
-        return [*(h for leaves in self.families.values() for h in leaves), *self.bare]
+    def hazards(self) -> list[HazardKind]:
+        """All hazards chosen so far."""
+        return [*(hazard for leaves in self.families.values() for hazard in leaves), *self.bare]
+
+    def rank(self, hazard: HazardKind) -> tuple[int, int]:
+        """Return how late a hazard is added: the smaller class comes first, then families of one leaf."""
+        class_size = self.class_sizes[hazard.class_name]
+        family_size = len(self.families.get(hazard.family, ()))
+        if not family_size and self.room <= 2:
+            return class_size, _NEW_FAMILY_AT_LAST
+        return class_size, {1: 0, 0: 1, 2: 2}.get(family_size, family_size + 1)
 
 
 class TreeAuthor:
@@ -49,12 +75,12 @@ class TreeAuthor:
 
     def _numbers(self, descriptions: Sequence[str]) -> dict[str, int]:
         """Return the number of the first example that describes each hazard, by hazard id."""
-        found: dict[str, int] = {}
+        numbers: dict[str, int] = {}
         for number, text in enumerate(descriptions, start=1):
             hazard = self.recogniser.recognise(text).hazard
             if hazard is not None:
-                found.setdefault(hazard.id, number)
-        return found
+                numbers.setdefault(hazard.id, number)
+        return numbers
 
     def propose(self, prompt: ProposeTree, rng: np.random.Generator) -> ProposedTree:
         """Build a tree of the given size from the paper's scenarios and a seeded choice of others."""
@@ -62,12 +88,12 @@ class TreeAuthor:
         if draft.room < len(self.simulated):
             least = 1 + len(CLASSES) + len(self.simulated)
             raise LLMError(f"the built-in author needs at least {least} nodes", model="builtin")
-        self._found(draft)
+        self._add_simulated(draft)
         if draft.room:
             examples = self._named(prompt.asked.given)
-            for hazard in (*self.mentioned, *examples[:6]):
-                known = {h.id for h in draft.chosen}
-                if hazard.id not in known and draft.cost(hazard) <= draft.room:
+            for hazard in (*self.mentioned, *examples[:_MOST_EXAMPLES]):
+                chosen = {hazard.id for hazard in draft.hazards}
+                if hazard.id not in chosen and draft.cost(hazard) <= draft.room:
                     draft.add(hazard)
             self._fill(draft, rng)
         if draft.room:
@@ -78,7 +104,7 @@ class TreeAuthor:
             )
         return self._lay_out(draft, self._numbers(prompt.asked.given))
 
-    def _found(self, draft: _Draft) -> None:
+    def _add_simulated(self, draft: _Draft) -> None:
         """Place the simulated scenarios; in a tiny tree, some go without their family."""
         members: dict[str, list[HazardKind]] = {}
         for hazard in self.simulated:
@@ -90,32 +116,24 @@ class TreeAuthor:
                 for hazard in leaves:
                     draft.add(hazard)
             else:
-                draft.bare += leaves
-                draft.room -= len(leaves)
+                for hazard in leaves:
+                    draft.add_bare(hazard)
 
     def _fill(self, draft: _Draft, rng: np.random.Generator) -> None:
         """Use up the remaining nodes, balanced between the classes, preferring families with several leaves."""
-        order = [self.knowledge.hazards[i] for i in rng.permutation(len(self.knowledge.hazards))]
-        taken = {hazard.id for hazard in draft.chosen}
+        order = [
+            self.knowledge.hazards[index] for index in rng.permutation(len(self.knowledge.hazards))
+        ]
+        taken = {hazard.id for hazard in draft.hazards}
         left = [hazard for hazard in order if hazard.id not in taken]
         while draft.room and left:
-            counts = dict.fromkeys(("environmental", "interactional"), 0)
-            for hazard in draft.chosen:
-                counts[hazard.class_name] += 1
-
-            def rank(hazard: HazardKind, counts: dict[str, int] = counts) -> tuple[int, int]:
-                size = len(draft.families.get(hazard.family, ()))
-                lonely = {1: 0, 0: 1, 2: 2}.get(size, size + 1)
-                return counts[hazard.class_name], lonely if draft.room > 2 or size else 9
-
-            best = min(left, key=rank)
+            best = min(left, key=draft.rank)
             if draft.cost(best) > draft.room:
                 fitting = [hazard for hazard in left if draft.cost(hazard) <= draft.room]
                 if not fitting:
-                    draft.bare.append(best)
-                    draft.room -= 1
+                    draft.add_bare(best)
                     return
-                best = min(fitting, key=rank)
+                best = min(fitting, key=draft.rank)
             draft.add(best)
             left.remove(best)
 
@@ -173,19 +191,22 @@ class TreeAuthor:
         self, prompt: PlaceScenario, hazard: HazardKind, chosen: str | None
     ) -> list[AlsoFits]:
         """Return the leaves of the hazard's kin, and of other hazards whose words the text contains."""
-        kin = [h for h in self.knowledge.hazards if h.id in hazard.kin or hazard.id in h.kin]
-        whys = {h.id: "It is close kin." for h in kin}
+        reasons = {
+            other.id: "It is close kin."
+            for other in self.knowledge.hazards
+            if other.id in hazard.kin or hazard.id in other.kin
+        }
         for other, _ in self.recogniser.candidates(prompt.text):
-            whys.setdefault(other.id, "The text has words of it as well.")
-        whys.pop(hazard.id, None)
-        order = {name: place for place, name in enumerate(whys)}
-        found: dict[str, tuple[int, str]] = {}
+            reasons.setdefault(other.id, "The text has words of it as well.")
+        reasons.pop(hazard.id, None)
+        ranks = {hazard_id: rank for rank, hazard_id in enumerate(reasons)}
+        ranked: dict[str, tuple[int, str]] = {}
         for leaf in _TreeOutline(prompt).leaves:
             kind, _ = self.recogniser.label(leaf.label)
-            if kind is not None and kind.id in whys and leaf.id != chosen:
-                found.setdefault(leaf.id, (order[kind.id], whys[kind.id]))
-        best = sorted(found, key=lambda node: found[node])[:MOST_ALSO]
-        return [AlsoFits(node=node, why=found[node][1]) for node in best]
+            if kind is not None and kind.id in reasons and leaf.id != chosen:
+                ranked.setdefault(leaf.id, (ranks[kind.id], reasons[kind.id]))
+        best = sorted(ranked, key=ranked.__getitem__)[:MOST_ALSO]
+        return [AlsoFits(node=node_id, why=ranked[node_id][1]) for node_id in best]
 
     def _broadened(self, hazard: HazardKind, outline: "_TreeOutline") -> PlacedScenario | None:
         """Widen a closely related leaf that has not been widened yet, or split it if it is full."""
@@ -223,7 +244,9 @@ class TreeAuthor:
                 node=family.id,
                 label=label,
             )
-        top = next((n for n in outline.tops if n.label.casefold() == hazard.class_name), None)
+        top = next(
+            (node for node in outline.tops if node.label.casefold() == hazard.class_name), None
+        )
         if top is None:
             reason = f"The tree has no class for {hazard.class_name} scenarios."
             return PlacedScenario(reasoning=reason, decision="not-ood")
@@ -245,9 +268,9 @@ class TreeAuthor:
             kind, _ = self.recogniser.label(leaf.label)
             if kind is not None and kind.family == hazard.family and leaf.parent:
                 votes[leaf.parent] = votes.get(leaf.parent, 0) + 1
-        inner = {node.id: node for node in outline.families}
-        named = [name for name in votes if name in inner]
-        return inner[max(named, key=lambda name: votes[name])] if named else None
+        families = {node.id: node for node in outline.families}
+        parents = [node_id for node_id in votes if node_id in families]
+        return families[max(parents, key=votes.__getitem__)] if parents else None
 
 
 class _TreeOutline:

@@ -92,7 +92,7 @@ def things() -> tuple[Thing, ...]:
 
 
 def _thing(entry: dict[str, Any]) -> Thing:
-    fields = {
+    fields: dict[str, Any] = {
         key: tuple(value) if isinstance(value, list) else value for key, value in entry.items()
     }
     fields["faint"] = entry.get("faint", False) or entry.get("vague", False)

@@ -210,9 +210,10 @@ def _pair_by_label(first: "ScenarioTree", second: "ScenarioTree", pairs: _Pairs)
             candidates[key].append(node.id)
     for node in first.nodes:
         class_key = pairs.first_classes[node.id]
-        for key in (class_key, "") if class_key else ("", *_CLASS_KEYS):
+        possible_classes = (class_key, "") if class_key else ("", *_CLASS_KEYS)
+        for possible_class in possible_classes:
             if node.id not in pairs.by_first:
-                _pair_with_first(node, candidates[same_words(node.label), key], pairs)
+                _pair_with_first(node, candidates[same_words(node.label), possible_class], pairs)
 
 
 def _pair_with_first(node: Node, candidates: list[str], pairs: _Pairs) -> None:

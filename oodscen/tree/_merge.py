@@ -163,7 +163,7 @@ def _decisions(tree: "ScenarioTree") -> dict[str, list[TreeEdit]]:
 
 def _keep_edit(node: Node, merged: str, pair: Match | None, last: TreeEdit, name: str) -> TreeEdit:
     """Return the edit that records at a node of the merge that the second tree has it as well."""
-    criterion = pair.by if pair is not None else "label"
+    criterion: str = pair.by if pair is not None else "label"
     if pair is not None and pair.similarity is not None:
         criterion += f", similarity {pair.similarity:.2f}"
     return TreeEdit(

@@ -62,3 +62,10 @@ def test_a_need_is_offered_if_a_limit_or_a_name_has_it():
     )
     assert all(map(every.offers, ("night", "fog", "rain", "snow", "ice", "dust")))
     assert not every.offers("wind")
+
+
+def test_clear_air_and_dusk_end_at_their_borders():
+    assert limits(min_fog_visual_range_m=4_999.0).fog_m == 4_999.0
+    assert limits(min_fog_visual_range_m=5_000.0).fog_m == CLEAR_AIR_M
+    assert not limits(min_sun_elevation_deg=DUSK_DEG).night
+    assert WeatherLimits.of("no night; no fog; no precipitation").friction == 1.0

@@ -109,6 +109,8 @@ def test_a_repeated_id_counts_once():
     episodes = [episode("a-1", ("safe", "hit"))]
     report = coverage(TREE, texts=texts, scenes=scenes, episodes=episodes)
     assert (report.rows[0].texts, report.elsewhere) == (1, 2)
+    stray = coverage(TREE, scenes=[scene("a-1", "a-1")], episodes=[episode("b-1")])
+    assert (stray.rows[0].scenes, stray.elsewhere) == (0, 2)
     again = coverage(TREE, texts=texts * 2, scenes=scenes * 2, episodes=episodes * 2)
     assert again == report
 

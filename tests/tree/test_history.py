@@ -223,3 +223,10 @@ def test_an_edit_is_undone_by_one_of_its_own_node_only():
     gone = odd.undo(added)
     assert "environmental" not in gone
     assert gone.provenance("environmental").origin.is_undone
+
+
+def test_undoing_a_kept_node_is_recorded_as_well():
+    tree = ScenarioTree.initial().apply(TreeEdit(op="keep", node="environmental", round=1))
+    undone = tree.undo()
+    assert undone.nodes == tree.nodes
+    assert (undone.edits[-1].op, undone.edits[-1].undoes) == ("keep", len(tree.edits) - 1)

@@ -27,9 +27,9 @@ from oodscen.prompts._scenario.stage_scene import StageScene
 from oodscen.protocols import Completion, Request
 from oodscen.stages._augment import Augmenter
 
-_NEAR = 0.7
+_NEAR_SHARE = 0.7
 """Share of common words from which two phrasings of one hazard count as duplicates."""
-_TYPO = 0.82
+_TYPO_RATIO = 0.82
 """Similarity from which an unknown name counts as a misspelling."""
 _DISTANCE = "about 40 metres ahead"
 
@@ -64,7 +64,8 @@ def inspect_knowledge(
     """
     faults = validate_knowledge(path)
     nothing = Inspection(tuple(faults), (), 0, 0, 0, {})
-    if any(not issue.path for issue in faults):  # a file could not be read at all
+    is_unreadable = any(not issue.path for issue in faults)
+    if is_unreadable:
         return nothing
     shelf, knowledge = gather(path, salvaged=True)
     if knowledge is None:
@@ -129,8 +130,8 @@ class _Findings:
     def at(self, hazard: HazardKind, issues: Iterable[Issue]) -> list[Issue]:
         """Return issues with the place of their hazard."""
         where = self._places[hazard.id]
-        found = (Issue(f"{where}: {issue.path}", issue.message) for issue in issues)
-        return [issue for issue in found if not self._shelf.is_broken(issue)]
+        located = (Issue(f"{where}: {issue.path}", issue.message) for issue in issues)
+        return [issue for issue in located if not self._shelf.is_broken(issue)]
 
     def add(self, hazard: HazardKind, issues: Iterable[Issue]) -> None:
         """Record the faults of a hazard."""
@@ -156,21 +157,23 @@ class _StagingLLM:
 def _wording(hazard: HazardKind, recogniser: Recogniser) -> Iterator[Issue]:
     """Yield phrasings that duplicate each other or are recognised as another hazard."""
     bare = [frozenset(stems(event.replace("{where}", ""))) for event in hazard.events]
-    for (i, one), (j, other) in combinations(enumerate(bare), 2):
-        share = len(one & other) / max(1, len(one | other))
-        if share >= _NEAR:
-            message = f"shares {share:.0%} of its words with events[{i}]: rephrase one of them"
-            yield Issue(f"events[{j}]", message)
-    for i, event in enumerate(hazard.events):
+    for (earlier, words), (later, others) in combinations(enumerate(bare), 2):
+        share = len(words & others) / max(1, len(words | others))
+        if share >= _NEAR_SHARE:
+            message = (
+                f"shares {share:.0%} of its words with events[{earlier}]: rephrase one of them"
+            )
+            yield Issue(f"events[{later}]", message)
+    for index, event in enumerate(hazard.events):
         kind = recogniser.recognise(event.replace("{where}", _DISTANCE)).hazard
         if kind is None:
-            yield Issue(f"events[{i}]", "is not recognised: use the hazard's own words")
+            yield Issue(f"events[{index}]", "is not recognised: use the hazard's own words")
         elif kind.id != hazard.id:
-            yield Issue(f"events[{i}]", f"reads like {kind.id!r} ({kind.label})")
+            yield Issue(f"events[{index}]", f"reads like {kind.id!r} ({kind.label})")
     seen: set[str] = set()
-    for i, word in enumerate(hazard.words):
+    for index, word in enumerate(hazard.words):
         if word.casefold() in seen:
-            yield Issue(f"words[{i}]", f"{word!r} occurs twice")
+            yield Issue(f"words[{index}]", f"{word!r} occurs twice")
         seen.add(word.casefold())
     if any(len(clause.split()) < 3 for clause in hazard.ordinary):
         yield Issue("ordinary", "say in a clause what the ordinary counterpart is")
@@ -194,16 +197,21 @@ def _blurred(hazard: HazardKind, owners: Mapping[str, set[str]]) -> Iterator[Iss
 
 
 def _check_needs(
-    found: _Findings,
+    findings: _Findings,
     hazards: Sequence[HazardKind],
     offered: Sequence[CatalogueDigest],
     knowledge: Knowledge,
 ) -> None:
     """Find needs that no catalogue meets, which are faults if a similar name exists, and things without a category."""
     known = {
-        "asset": {name for d in offered for a in d.assets for name in (a.id, *a.names)},
-        "behaviour": {kind.id for d in offered for kind in d.behaviours},
-        "map": {trait for d in offered for road in d.maps for trait in road.features},
+        "asset": {
+            name
+            for digest in offered
+            for asset in digest.assets
+            for name in (asset.id, *asset.names)
+        },
+        "behaviour": {kind.id for digest in offered for kind in digest.behaviours},
+        "map": {trait for digest in offered for road in digest.maps for trait in road.features},
     }
     unmet: dict[str, list[str]] = {}
     for hazard in hazards:
@@ -212,21 +220,21 @@ def _check_needs(
         used = hazard.stage.behaviours if hazard.stage else ()
         for need in sorted(lacked, key=lambda addition: addition.words):
             names = sorted(known.get(need.kind, ()))
-            matches = get_close_matches(need.name, names, 2, _TYPO)
+            matches = get_close_matches(need.name, names, 2, _TYPO_RATIO)
             is_own = knowledge.category(need.name) is not None
             if matches and not is_own and need.kind in ("asset", "behaviour"):
                 fault = f"{need.words}: did you mean {' or '.join(matches)}?"
-                found.add(hazard, [Issue("needs", fault)])
+                findings.add(hazard, [Issue("needs", fault)])
             elif need.kind == "behaviour" and need.name in used:
                 fault = f"{need.words}: no catalogue has it to stage this with"
-                found.add(hazard, [Issue("stage.actors", fault)])
+                findings.add(hazard, [Issue("stage.actors", fault)])
             else:
                 unmet.setdefault(need.words, []).append(hazard.id)
     for words, wanting in sorted(unmet.items()):
         message = f"no catalogue has it; wanted by {', '.join(sorted(wanting))}"
-        found.notes.append(Issue(words, message))
+        findings.notes.append(Issue(words, message))
     for name in _uncategorised(hazards, knowledge):
-        found.notes.append(Issue(name, "has no category: add it to [[things]]"))
+        findings.notes.append(Issue(name, "has no category: add it to [[things]]"))
 
 
 def _uncategorised(hazards: Iterable[HazardKind], knowledge: Knowledge) -> list[str]:
@@ -238,25 +246,29 @@ def _uncategorised(hazards: Iterable[HazardKind], knowledge: Knowledge) -> list[
 
 
 def _check_staging(
-    found: _Findings,
+    findings: _Findings,
     recipes: Sequence[HazardKind],
     able: Mapping[str, Sequence[HazardKind]],
     catalogues: Mapping[str, Catalogue],
     author: _StagingLLM,
 ) -> None:
     """Compare the recipes with the first catalogue that has map files, and try each once where it is `able` to show it."""
-    trying = [
-        name for name, catalogue in catalogues.items() if any(road.file for road in catalogue.maps)
-    ]
+    with_files = {
+        name: catalogue
+        for name, catalogue in catalogues.items()
+        if any(road.file for road in catalogue.maps)
+    }
+    first = next(iter(with_files.values()), None)
+    if first is not None:
+        for hazard in recipes:
+            findings.add(hazard, _unfit(hazard, first))
     tried: set[str] = set()
-    for number, name in enumerate(trying):
-        stage = Augmenter(author, catalogues[name], claims=False)
-        for hazard in recipes if number == 0 else ():
-            found.add(hazard, _unfit(hazard, stage.catalogue))
+    for name, catalogue in with_files.items():
+        augmenter = Augmenter(author, catalogue, claims=False)
         for hazard in able[name]:
             if hazard.id not in tried:
                 tried.add(hazard.id)
-                found.add(hazard, _unstaged(hazard, stage, name))
+                findings.add(hazard, _unstaged(hazard, augmenter, name))
 
 
 def _unfit(hazard: HazardKind, catalogue: Catalogue) -> Iterator[Issue]:
@@ -287,12 +299,12 @@ def _unfit(hazard: HazardKind, catalogue: Catalogue) -> Iterator[Issue]:
                 yield Issue(f"{where}.parameters.{name}", message)
 
 
-def _unstaged(hazard: HazardKind, stage: Augmenter, catalogue: str) -> Iterator[Issue]:
+def _unstaged(hazard: HazardKind, augmenter: Augmenter, catalogue: str) -> Iterator[Issue]:
     """Stage the hazard from its first phrasing and report any failures."""
     text = hazard.events[0].replace("{where}", "").replace("  ", " ").strip() + "."
     scenario = Scenario(id="check", text=text, path=("x", "y", hazard.family, hazard.label))
     try:
-        stage.run(scenario)
+        augmenter.run(scenario)
     except AnswerError as error:
         for issue in error.issues:
             yield Issue(f"stage: on {catalogue}: {issue.path}", issue.message)

@@ -84,7 +84,7 @@ class KnowledgeFiles:
             value = kind.parse(item)
         except DataError as error:
             self.issues += [
-                Issue(f"{where}: {i.path}".strip(": "), i.message) for i in error.issues
+                Issue(f"{where}: {issue.path}".strip(": "), issue.message) for issue in error.issues
             ]
             if kind is HazardKind and isinstance(item, Mapping):
                 self._salvage(where, item, error.issues)
@@ -97,16 +97,17 @@ class KnowledgeFiles:
     def _salvage(self, where: str, item: Mapping[str, Any], issues: Iterable[Issue]) -> None:
         """Keep the readable parts of a hazard, so that its other faults are also found."""
         broken = {issue.path for issue in issues}
-        found = deepcopy(dict(item))
+        readable = deepcopy(dict(item))
         for path in broken:
-            _set_aside(found, path)
+            _set_aside(readable, path)
         try:
-            hazard = HazardKind.parse({**_STAND_IN, **found})
+            hazard = HazardKind.parse({**_STAND_IN, **readable})
         except DataError as error:
-            fields = {_field(path) for path in (*broken, *(i.path for i in error.issues))}
+            faulty = (*broken, *(issue.path for issue in error.issues))
+            fields = {_field(path) for path in faulty}
             broken |= fields
-            left = {name: value for name, value in found.items() if name not in fields}
-            hazard = HazardKind.parse({**_STAND_IN, **left})
+            rest = {name: value for name, value in readable.items() if name not in fields}
+            hazard = HazardKind.parse({**_STAND_IN, **rest})
         self.salvaged[where] = hazard
         self.broken[where] = broken
 
@@ -131,7 +132,7 @@ class KnowledgeFiles:
         if "wording" not in self.single:
             self.issues.append(Issue("wording", "no file has this table"))
             return None
-        tables = {name: [one for _, one in rows] for name, rows in self.entries.items()}
+        tables = {name: [entry for _, entry in entries] for name, entries in self.entries.items()}
         hazards = {
             hazard.id: hazard
             for _, hazard in (self.hazards if salvaged else self.entries["hazard"])
@@ -198,12 +199,14 @@ def _content(text: str) -> Mapping[str, Any]:
 def _lines(text: str, key: str) -> list[int]:
     """Return the numbers of the lines that open the entries of a table array."""
     opens = re.compile(rf"\[\[\s*{key}\s*\]\]")
-    return [n for n, line in enumerate(text.split("\n"), start=1) if opens.match(line.strip())]
+    lines = enumerate(text.split("\n"), start=1)
+    return [number for number, line in lines if opens.match(line.strip())]
 
 
-def _shipped() -> list[tuple[str, str]]:
+def _shipped_files() -> list[tuple[str, str]]:
     folder = resources.files("oodscen.author._knowledge")
-    files = sorted((f for f in folder.iterdir() if f.name.endswith(".toml")), key=lambda f: f.name)
+    files = [file for file in folder.iterdir() if file.name.endswith(".toml")]
+    files.sort(key=lambda file: file.name)
     return [(file.name, file.read_text(encoding="utf-8")) for file in files]
 
 
@@ -220,7 +223,7 @@ def _toml_files(path: Path) -> list[Path]:
         raise unreadable("knowledge base", path, error) from None
 
 
-def _own(path: Path) -> list[tuple[str, str]]:
+def _user_files(path: Path) -> list[tuple[str, str]]:
     if not (files := _toml_files(path)):
         raise DataError("knowledge base", [Issue("", "no .toml file in it")], source=str(path))
     try:
@@ -239,10 +242,10 @@ def gather(
         DataError: If a file cannot be read at all.
     """
     shelf = KnowledgeFiles()
-    for name, text in _shipped():
+    for name, text in _shipped_files():
         shelf.read(name, text)
     if path is not None:
-        for name, text in _own(Path(path)):
+        for name, text in _user_files(Path(path)):
             shelf.read(name, text)
     return shelf, shelf.knowledge(salvaged=salvaged)
 
@@ -265,7 +268,9 @@ def stamp_of(path: str | Path | None) -> tuple[tuple[str, int, int], ...]:
     if path is None:
         return ()
     files = _toml_files(Path(path))
-    return tuple((str(f), f.stat().st_mtime_ns, f.stat().st_size) for f in files if f.exists())
+    return tuple(
+        (str(file), file.stat().st_mtime_ns, file.stat().st_size) for file in files if file.exists()
+    )
 
 
 @cache

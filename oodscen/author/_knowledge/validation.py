@@ -31,23 +31,30 @@ def validate_knowledge(path: str | Path | None = None) -> list[Issue]:
     issues = list(shelf.issues)
     if knowledge is None:
         return issues
-    entries = shelf.hazards
-    found = list(_repetitions(entries))
+    faults = list(_repetitions(shelf.hazards))
     for table in ("clash", "driving"):
-        for where, one in shelf.entries[table]:
-            found += [Issue(f"{where}: {i.path}", i.message) for i in _unknown_keys(one, knowledge)]
+        for where, entry in shelf.entries[table]:
+            faults += _located(where, _unknown_keys(entry, knowledge))
     agreement = Agreement(knowledge)
-    for where, hazard in entries:
-        faults = (*_faults(hazard, knowledge), *_misplaced(hazard, agreement))
-        found += [Issue(f"{where}: {i.path}", i.message) for i in faults]
-    return [*issues, *(issue for issue in found if not shelf.is_broken(issue))]
+    for where, hazard in shelf.hazards:
+        faults += _located(where, _faults(hazard, knowledge))
+        faults += _located(where, _unsuitable_clauses(hazard, agreement))
+    return [*issues, *(fault for fault in faults if not shelf.is_broken(fault))]
+
+
+def _located(where: str, issues: Iterable[Issue]) -> list[Issue]:
+    """Return issues with the file and line of their entry."""
+    return [Issue(f"{where}: {issue.path}", issue.message) for issue in issues]
 
 
 def _repetitions(entries: Sequence[tuple[str, HazardKind]]) -> list[Issue]:
     issues = []
     latest = {hazard.id: hazard for _, hazard in entries}
     labels = Counter(
-        label.casefold() for h in latest.values() for label in (h.label, h.wider) if label
+        label.casefold()
+        for hazard in latest.values()
+        for label in (hazard.label, hazard.wider)
+        if label
     )
     classes: dict[str, str] = {}
     for where, hazard in entries:
@@ -81,7 +88,7 @@ def _faults(hazard: HazardKind, knowledge: Knowledge) -> Iterable[Issue]:
     if len(hazard.events) < 5:
         yield Issue("events", f"{len(hazard.events)} phrasings; at least 5 are wanted")
     for index, event in enumerate(hazard.events):
-        for message in _phrasing(event):
+        for message in _phrasing_faults(event):
             yield Issue(f"events[{index}]", message)
     if len(set(hazard.events)) < len(hazard.events):
         yield Issue("events", "a phrasing occurs twice")
@@ -89,7 +96,7 @@ def _faults(hazard: HazardKind, knowledge: Knowledge) -> Iterable[Issue]:
         yield from _recipe_faults(hazard.stage)
 
 
-def _unknown_keys(one: Clash | Driving, knowledge: Knowledge) -> Iterable[Issue]:
+def _unknown_keys(entry: Clash | Driving, knowledge: Knowledge) -> Iterable[Issue]:
     """Yield references to unknown places, conditions or traffic."""
     known = {
         "places": set(knowledge.place_keys),
@@ -97,12 +104,12 @@ def _unknown_keys(one: Clash | Driving, knowledge: Knowledge) -> Iterable[Issue]
         "traffic": {traffic.key for traffic in knowledge.traffic},
     }
     for field, keys in known.items():
-        for index, key in enumerate(getattr(one, field, ())):
+        for index, key in enumerate(getattr(entry, field, ())):
             if key not in keys:
                 yield Issue(f"{field}[{index}]", f"unknown: {key!r}")
 
 
-def _misplaced(hazard: HazardKind, agreement: Agreement) -> Iterable[Issue]:
+def _unsuitable_clauses(hazard: HazardKind, agreement: Agreement) -> Iterable[Issue]:
     """Yield clauses that do not suit the places and conditions of their hazard."""
     settings = [
         PlaceAndTime(place=place, conditions=(key,) if key else ())
@@ -111,17 +118,17 @@ def _misplaced(hazard: HazardKind, agreement: Agreement) -> Iterable[Issue]:
     ]
     for index, event in enumerate(hazard.events):
         if not any(agreement.suits(event, setting) for setting in settings):
-            why = agreement.clashes(event, settings[0])[0]
-            yield Issue(f"events[{index}]", f"suits none of its places and conditions: {why}")
+            clash = agreement.clashes(event, settings[0])[0]
+            yield Issue(f"events[{index}]", f"suits none of its places and conditions: {clash}")
     for setting in settings:
         where = " ".join((setting.place, *setting.conditions))
         for field, clauses in (("events", hazard.events), ("ordinary", hazard.ordinary)):
             if not agreement.suiting(clauses, setting):
-                why = agreement.clashes(clauses[0], setting)[0]
-                yield Issue(field, f"none suits {where}: {why}")
+                clash = agreement.clashes(clauses[0], setting)[0]
+                yield Issue(field, f"none suits {where}: {clash}")
 
 
-def _phrasing(event: str) -> Iterable[str]:
+def _phrasing_faults(event: str) -> Iterable[str]:
     if not event[:1].isupper():
         yield "must start with a capital letter"
     if event.rstrip()[-1:] in ".!?":
@@ -134,7 +141,7 @@ def _phrasing(event: str) -> Iterable[str]:
 
 def _recipe_faults(recipe: Recipe) -> Iterable[Issue]:
     names = [name for actor in recipe.actors for name in actor.names]
-    unusual = [a for a in recipe.actors if a.hazard]
+    unusual = recipe.hazards
     if len(set(names)) < len(names):
         yield Issue("stage.actors", "two actors have the same id")
     if not unusual and not recipe.ordinary_weather:
@@ -153,9 +160,9 @@ def _recipe_faults(recipe: Recipe) -> Iterable[Issue]:
             yield Issue(f"stage.actors[{index}].at", message)
         if actor.meets is not None and "speed" not in actor.parameters:
             yield Issue(f"stage.actors[{index}].meets", "needs the parameter 'speed'")
-    known = {actor.id for actor in recipe.actors}
+    ids = {actor.id for actor in recipe.actors}
     for index, variant in enumerate(recipe.variants):
-        for name in sorted(set(variant.actors) - known):
+        for name in sorted(set(variant.actors) - ids):
             yield Issue(f"stage.variants[{index}].actors", f"unknown actor {name!r}")
     for field in ("weather", "ordinary_weather"):
         for key in getattr(recipe, field):

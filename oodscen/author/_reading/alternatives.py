@@ -20,7 +20,7 @@ _ACT = re.compile(r"(?:ing|ed)$")
 class NamedThing:
     """One of several things that a label names."""
 
-    own: str
+    name: str
     """Its own words, without the ones it shares with the others."""
     readings: tuple[str, ...]
     """Possible full readings, the most likely first: `dog on the road`."""
@@ -38,11 +38,11 @@ class Split:
 
     def naming(self, chosen: tuple[int, ...]) -> str:
         """Return a label that names only the chosen parts."""
-        shares = [self.shares[number] for number in chosen]
+        shares = [self.shares[index] for index in chosen]
         tail = f" {self.tail}" if self.tail else ""
-        if all(share.readings[0] == f"{share.own}{tail}" for share in shares):
-            own = [share.own for share in shares]
-            text = own[-1] if len(own) == 1 else f"{', '.join(own[:-1])} or {own[-1]}"
+        if all(share.readings[0] == f"{share.name}{tail}" for share in shares):
+            *before, last = (share.name for share in shares)
+            text = f"{', '.join(before)} or {last}" if before else last
             return _capital(f"{text}{tail}")
         first, *others = (share.readings[0] for share in shares)
         return _capital(" or ".join([first, *map(_small, others)]))
@@ -64,7 +64,7 @@ def subject(text: str) -> list[str]:
     words = _words(text)
     while words and words[0].casefold() in DETERMINERS:
         words = words[1:]
-    return words[: _tail_at(words)]
+    return words[: _tail_start(words)]
 
 
 def _split(text: str, separator: re.Pattern[str], joint: str) -> Split:
@@ -78,49 +78,47 @@ def _split(text: str, separator: re.Pattern[str], joint: str) -> Split:
     if len(chunks) < 2:
         return Split((NamedThing(text.strip(), (text.strip(),)),))
     last = chunks[-1].split()
-    cut = _tail_at(last)
-    tail = " ".join(last[cut:])
-    names = [*chunks[:-1], " ".join(last[:cut])]
-    is_act = [_is_act(name.split()) for name in names]
-    return Split(
-        tuple(
-            NamedThing(name, _readings(number, names, tail, is_act[number]), is_act[number])
-            for number, name in enumerate(names)
-        ),
-        tail,
-    )
+    start = _tail_start(last)
+    tail = " ".join(last[start:])
+    names = [*chunks[:-1], " ".join(last[:start])]
+    shares = []
+    for index, name in enumerate(names):
+        is_act = _is_act(name.split())
+        shares.append(NamedThing(name, _readings(index, names, tail, is_act), is_act))
+    return Split(tuple(shares), tail)
 
 
 def _merged(chunks: list[str], joint: str) -> list[str]:
     """Rejoin pieces that only connect places or manners: `on or beside the road`."""
-    found: list[str] = []
+    merged: list[str] = []
     for chunk in filter(None, chunks):
-        words = chunk.casefold().split()
-        before = found[-1].casefold().split() if found else []
-        is_open = bool(before) and before[-1] in PLACING | DETERMINERS
-        if found and (is_open or words[0] in PLACING):
-            found[-1] = f"{found[-1]} {joint} {chunk}"
+        first_word = chunk.casefold().split()[0]
+        last_word = merged[-1].casefold().split()[-1] if merged else ""
+        if merged and (last_word in PLACING | DETERMINERS or first_word in PLACING):
+            merged[-1] = f"{merged[-1]} {joint} {chunk}"
         else:
-            found.append(chunk)
-    return found
+            merged.append(chunk)
+    return merged
 
 
-def _readings(number: int, names: list[str], tail: str, is_act: bool) -> tuple[str, ...]:
-    name = names[number]
+def _readings(index: int, names: list[str], tail: str, is_act: bool) -> tuple[str, ...]:
+    """Return the possible full readings of one of several names that end in a shared tail."""
+    name = names[index]
     words = name.split()
     end = f" {tail}" if tail else ""
-    has_tail = _tail_at(words) < len(words) - _is_placing(tail)
+    has_tail = _tail_start(words) < len(words) - _is_placing(tail)
+    is_last = index == len(names) - 1
     first, last = names[0].split(), names[-1].split()
-    found = []
-    if is_act and number:
-        found.append(f"{' '.join(first[: _tail_at(first)])} {name}{end}")
-    found.append(name if has_tail and number < len(names) - 1 else f"{name}{end}")
-    if number and len(words) == 1 and len(first) > 1:
-        found.append(f"{' '.join(first[: max(1, _tail_at(first) - 1)])} {name}{end}")
-    if number < len(names) - 1 and len(words) == 1 and len(last) > 1:
-        found.append(f"{name} {' '.join(last[1:])}{end}")
-    found.append(name)
-    return tuple(dict.fromkeys(found))
+    readings = []
+    if is_act and index:
+        readings.append(f"{' '.join(first[: _tail_start(first)])} {name}{end}")
+    readings.append(name if has_tail and not is_last else f"{name}{end}")
+    if index and len(words) == 1 and len(first) > 1:
+        readings.append(f"{' '.join(first[: max(1, _tail_start(first) - 1)])} {name}{end}")
+    if not is_last and len(words) == 1 and len(last) > 1:
+        readings.append(f"{name} {' '.join(last[1:])}{end}")
+    readings.append(name)
+    return tuple(dict.fromkeys(readings))
 
 
 def _is_placing(text: str) -> bool:
@@ -137,22 +135,22 @@ def _is_act(words: list[str]) -> bool:
     )
 
 
-def _is_followed_as_act(words: list[str], number: int) -> bool:
-    """Distinguish a verb from a participle in front of its noun by the word that follows."""
-    after = words[number + 1].casefold() if number + 1 < len(words) else ""
-    return not after or after in PLACING | DETERMINERS or after.endswith(("ly", "wise"))
+def _is_followed_as_act(words: list[str], index: int) -> bool:
+    """Return whether the word after a participle shows that it is a verb, and no adjective of a noun."""
+    if index + 1 == len(words):
+        return True
+    after = words[index + 1].casefold()
+    return after in PLACING | DETERMINERS or after.endswith(("ly", "wise"))
 
 
-def _tail_at(words: list[str]) -> int:
+def _tail_start(words: list[str]) -> int:
     """Return the index of the first word that says what happens, or where; the number of words if none does."""
-    for number, word in enumerate(words):
-        if number == 0:
-            continue
+    for index, word in enumerate(words[1:], start=1):
         if word.casefold() in PLACING:
-            return number
+            return index
         is_act = _ACT.search(word.casefold()) and len(word) > 4
-        if is_act and _is_followed_as_act(words, number):
-            return number
+        if is_act and _is_followed_as_act(words, index):
+            return index
     return len(words)
 
 

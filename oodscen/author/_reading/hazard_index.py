@@ -21,7 +21,7 @@ _LONGEST_DISTINCTIVE = 3
 
 
 class Evidence(NamedTuple):
-    """What a text says for each hazard, by the hazard's index; hazards that it does not touch are left out."""
+    """Evidence that a text gives for each hazard, by the hazard's index; hazards that it does not touch are left out."""
 
     weights: dict[int, float]
     """Information that text and hazard share, in nats."""

@@ -20,7 +20,7 @@ from oodscen.author._reading.weather_words import (
 )
 from oodscen.data._category import Category
 
-_MOST = 12
+_MOST_MEMBERS = 12
 """Largest number of hazards for one word that names a whole category."""
 _PRESENT = frozenset({"animal", "pedestrian", "object", "vegetation", "work_zone"})
 """Categories whose members are unusual by their mere presence on the road."""
@@ -60,30 +60,31 @@ class LabelReader:
         if len(split.shares) == 1:
             return self._single(text)
         whole = self.hazard(text)
-        found = tuple(self._share(share, whole) for share in split.shares)
-        if all(alternative.parts[0].why for alternative in found):
+        shares = tuple(self._share(share, whole) for share in split.shares)
+        if all(alternative.parts[0].why for alternative in shares):
             return self._single(text)
-        return LabelReading(found, split)
+        return LabelReading(shares, split)
 
     def _single(self, text: str) -> LabelReading:
         options = self._options(text)
         if len(options) > 1:
-            named = (
+            alternatives_of_category = (
                 Alternative(part.hazard.label, (part,))
                 for part in options
                 if part.hazard is not None
             )
-            return LabelReading(tuple(named), is_any=True)
+            return LabelReading(tuple(alternatives_of_category), is_any=True)
         return LabelReading((Alternative(text, self._together(text)),))
 
     def _share(self, share: NamedThing, whole: HazardKind | None) -> Alternative:
+        """Return the meaning of one of several things, or else that of the whole label if it covers the thing."""
         first: Alternative | None = None
         for reading in share.readings:
             alternative = Alternative(reading, self._together(reading, share))
             if not any(part.why for part in alternative.parts):
                 return alternative
             first = first or alternative
-        if whole is not None and self._lexicon.covers(whole, share.own):
+        if whole is not None and self._lexicon.covers(whole, share.name):
             return Alternative(share.readings[0], (RequiredThing(whole),))
         assert first is not None
         return first
@@ -94,14 +95,14 @@ class LabelReader:
         if len(split.shares) > 1 and self._known(text) is None:
             whole = self.hazard(text)
             if whole is None or not all(
-                self._lexicon.covers(whole, thing.own) for thing in split.shares
+                self._lexicon.covers(whole, thing.name) for thing in split.shares
             ):
-                parts = _unequal(self._first(thing) for thing in split.shares)
+                parts = _without_repeats(self._first(thing) for thing in split.shares)
                 if whole is None or not all(part.why for part in parts):
                     return parts
         part = self._options(text)[0]
         if share is not None and part.hazard is not None and not share.is_act:
-            own = set(stems(share.own)) - NEUTRAL
+            own = set(stems(share.name)) - NEUTRAL
             if (
                 own
                 and not own & self._lexicon.vocabulary(part.hazard).every
@@ -126,64 +127,58 @@ class LabelReader:
         hazard_kind = self._known(text)
         if hazard_kind is not None:
             return (RequiredThing(hazard_kind),)
-        said = self._lexicon.affirmed(text)
-        if said != text:
-            found = self._recognise(text)
-            if found is not None and _is_about_absence(found):
-                return (RequiredThing(found),)
-            if not set(stems(said)) - NEUTRAL:
+        affirmed = self._lexicon.affirmed(text)
+        if affirmed != text:
+            hazard = self._recognise(text)
+            if hazard is not None and _is_about_absence(hazard):
+                return (RequiredThing(hazard),)
+            if not set(stems(affirmed)) - NEUTRAL:
                 return (RequiredThing(why=f"{text!r} says what is not there, and nothing that is"),)
-            return self._options(said)
-        weather = self._weather(text)
-        if weather is not None:
-            return (RequiredThing(weather),)
-        when = circumstances(text)
+            return self._options(affirmed)
+        weather_hazard = self._weather(text)
+        if weather_hazard is not None:
+            return (RequiredThing(weather_hazard),)
+        weather = circumstances(text)
         hazard = self._lexicon.compound_hazard(text) or self.hazard(text)
         if hazard is not None:
-            when = tuple(kind for kind in when if kind not in hazard.needs.weather)
-            return (replace(self._with_things(text, hazard), weather=when),)
-        plainer = without_circumstances(text) if when else text
-        return tuple(replace(part, weather=when) for part in self._by_category(plainer))
+            weather = tuple(kind for kind in weather if kind not in hazard.needs.weather)
+            return (replace(self._with_things(text, hazard), weather=weather),)
+        plainer = without_circumstances(text) if weather else text
+        return tuple(replace(part, weather=weather) for part in self._by_category(plainer))
 
     def _hazard(self, text: str) -> HazardKind | None:
         """Return the hazard that a text resembles most, if it concerns the same thing."""
-        kind = self._known(text)
-        if kind is not None:
-            return kind
-        hazard_kind = self._recognise(text)
-        if hazard_kind is None:
+        written = self._known(text)
+        if written is not None:
+            return written
+        hazard = self._recognise(text)
+        if hazard is None:
             return None
+        if self._lexicon.affirmed(text) != text:
+            return hazard if _is_about_absence(hazard) else None
         words = _subject_stems(text)
-        if not words or self._lexicon.affirmed(text) != text:
-            return (
-                hazard_kind
-                if self._lexicon.affirmed(text) == text or _is_about_absence(hazard_kind)
-                else None
-            )
-        vocabulary = self._lexicon.vocabulary(hazard_kind)
+        if not words:
+            return hazard
+        vocabulary = self._lexicon.vocabulary(hazard)
         if words[-1] in vocabulary.every or set(words) & vocabulary.naming:
-            return hazard_kind
-        named = self._lexicon.named_at_end(words)
-        if (
-            named is None
-            or named.thing
-            or named.category not in self._lexicon.categories(hazard_kind)
-        ):
+            return hazard
+        meaning = self._lexicon.named_at_end(words)
+        if meaning is None or meaning.thing:
             return None
-        return hazard_kind
+        return hazard if meaning.category in self._lexicon.categories(hazard) else None
 
     def _with_things(self, text: str, hazard: HazardKind) -> RequiredThing:
         """Add the other things that a text names, and the words that the hazard only approximates."""
         every = self._lexicon.vocabulary(hazard).every
-        needed: dict[str, None] = {}
-        near: dict[str, None] = {}
-        for words, named, after in self._lexicon.other_names(text, hazard):
-            raw = _phrase(text, words, after)
-            if not (raw and after in every and after not in NEUTRAL):
-                needed[named.thing] = None
-            elif named.category == "animal":
-                near[raw] = None
-        return RequiredThing(hazard, things=tuple(needed), approximate=tuple(near))
+        things: dict[str, None] = {}
+        approximate: dict[str, None] = {}
+        for words, meaning, after in self._lexicon.other_names(text, hazard):
+            phrase = _phrase(text, words, after)
+            if not (phrase and after in every and after not in NEUTRAL):
+                things[meaning.thing] = None
+            elif meaning.category == "animal":
+                approximate[phrase] = None
+        return RequiredThing(hazard, things=tuple(things), approximate=tuple(approximate))
 
     def _by_category(self, text: str) -> tuple[RequiredThing, ...]:
         """Return the hazards with the thing at the end of a text, or of its category."""
@@ -194,10 +189,9 @@ class LabelReader:
         rest = set(stems(text)) - NEUTRAL - self._lexicon.naming_words(words)
         if named.thing:
             return (self._with_thing(text, named, rest),)
-        is_told = named.category in _PRESENT and not rest
-        members = self._mere_members(named.category) if is_told else []
-        if members:
-            return tuple(map(RequiredThing, members[:_MOST]))
+        is_mere = named.category in _PRESENT and not rest
+        if is_mere and (members := self._mere_members(named.category)):
+            return tuple(map(RequiredThing, members[:_MOST_MEMBERS]))
         why = f"the author knows no scenario for {text!r}"
         return (RequiredThing(category=named.category, why=why),)
 
@@ -247,7 +241,7 @@ def _subject_stems(text: str) -> list[str]:
     return words
 
 
-def _unequal(parts: Iterable[RequiredThing]) -> tuple[RequiredThing, ...]:
+def _without_repeats(parts: Iterable[RequiredThing]) -> tuple[RequiredThing, ...]:
     """Remove duplicate parts."""
     things: list[RequiredThing] = []
     for part in parts:
@@ -263,9 +257,9 @@ def _is_about_absence(hazard: HazardKind) -> bool:
 def _phrase(text: str, words: Iterable[str], after: str) -> str:
     """Return the words of a text for a thing and the noun that it modifies: `dog costume`."""
     tokens = re.findall(r"[A-Za-z]+", text)
-    wanted = [*words, after]
-    for start in range(len(tokens) - len(wanted) + 1):
-        found = tokens[start : start + len(wanted)]
-        if [stem(token.casefold()) for token in found] == wanted:
-            return " ".join(found).casefold()
+    phrase_stems = [*words, after]
+    for start in range(len(tokens) - len(phrase_stems) + 1):
+        phrase = tokens[start : start + len(phrase_stems)]
+        if [stem(token.casefold()) for token in phrase] == phrase_stems:
+            return " ".join(phrase).casefold()
     return ""

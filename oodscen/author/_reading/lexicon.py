@@ -50,7 +50,7 @@ class OtherName(NamedTuple):
 
     words: tuple[str, ...]
     """Stems of its name."""
-    thing: Meaning
+    meaning: Meaning
     after: str
     """Stem of the word after it; empty at the end."""
 
@@ -89,7 +89,7 @@ class Lexicon:
 
     def things_named_by(self, words: set[str]) -> set[str]:
         """Return the things with any of some stems in their names."""
-        return {named.thing for name, named in self._names.items() if words & set(name)}
+        return {meaning.thing for name, meaning in self._names.items() if words & set(name)}
 
     def naming_words(self, words: list[str]) -> set[str]:
         """Return those of some stems that occur in a name."""
@@ -117,40 +117,41 @@ class Lexicon:
         """Yield the names of things in a text that a hazard is not about."""
         tokens, every = stems(text), self.vocabulary(hazard).every
         taken: set[int] = set()
-        for words, named in self._names.items():
-            if not named.thing or named.thing in hazard.needs.assets or set(words) <= every:
+        for words, meaning in self._names.items():
+            if not meaning.thing or meaning.thing in hazard.needs.assets or set(words) <= every:
                 continue
             size = len(words)
             for start in range(len(tokens) - size + 1):
                 if tuple(tokens[start : start + size]) == words and start not in taken:
                     after = tokens[start + size] if start + size < len(tokens) else ""
-                    yield OtherName(words, named, after)
+                    yield OtherName(words, meaning, after)
                     taken.update(range(start, start + size))
 
     def affirmed(self, text: str) -> str:
         """Return a text without the things that it says are absent."""
 
-        def without(found: re.Match[str]) -> str:
-            words = stems(found.group(1))
+        def rest(match: re.Match[str]) -> str:
+            """Return the words of a negation that are left without the thing."""
+            words = stems(match[1])
             for size in range(len(words), 0, -1):
                 if tuple(words[:size]) in self._names:
-                    return " " if size == len(words) else f" {found.group(1).split()[-1]}"
-            return found.group(0)
+                    return " " if size == len(words) else f" {match[1].split()[-1]}"
+            return match[0]
 
-        return " ".join(_NEGATED.sub(without, text).split())
+        return " ".join(_NEGATED.sub(rest, text).split())
 
 
 def _names(knowledge: Knowledge) -> dict[tuple[str, ...], Meaning]:
     """Return the names of things and of their kinds, by their stems."""
-    found: dict[tuple[str, ...], Meaning] = {}
+    meanings: dict[tuple[str, ...], Meaning] = {}
     for group in knowledge.things:
         for name in (*group.names, *group.others):
             words = re.sub(r"[_-]", " ", name)
-            found.setdefault(tuple(stems(words)), Meaning(group.category, _id(name)))
+            meanings.setdefault(tuple(stems(words)), Meaning(group.category, _id(name)))
         for kind in group.kinds:
-            found[tuple(stems(kind))] = Meaning(group.category, "")
-    found.pop((), None)
-    return found
+            meanings[tuple(stems(kind))] = Meaning(group.category, "")
+    meanings.pop((), None)
+    return meanings
 
 
 def _vocabulary_of(hazard: HazardKind) -> Vocabulary:

@@ -9,26 +9,26 @@ from collections.abc import Collection, Sequence
 from oodscen.author._reading import phrases
 from oodscen.author._reading.clauses import Noun, Subject, last_end
 
-_STAYS = "stationary"
+_STATIONARY = "stationary"
 
 
 def usual_motion(
-    text: str, subject: Subject, nouns: Sequence[Noun], told: Collection[str]
+    text: str, subject: Subject, nouns: Sequence[Noun], claimed: Collection[str]
 ) -> str | None:
     """Return the motion that a thing's name, or its effect on the road, implies; `None` if the text leaves it open.
 
-    `told` has the claims that exist about the thing, as kind and value, such as `place in_lane`. If one of them is
+    `claimed` has the claims that exist about the thing, as kind and value, such as `place in_lane`. If one of them is
     a motion, nothing is added.
     """
     thing, mention = subject.mention.thing, subject.mention
-    if any(claim.startswith("motion ") for claim in told):
+    if any(claim.startswith("motion ") for claim in claimed):
         return None
     if mention.word in phrases.BY_NATURE:
         return phrases.BY_NATURE[mention.word]
     if subject.is_faint:
         return None
     if phrases.context("still_by_name").search(mention.word):
-        return _STAYS
+        return _STATIONARY
     if thing.group not in ("object", "signal", "vehicle") or thing.name in phrases.things("light"):
         return None
     begin = last_end(phrases.context("sentence"), text[: mention.start])
@@ -38,20 +38,20 @@ def usual_motion(
         return None
     lead, after = text[begin : mention.start], text[mention.end : begin + len(sentence)]
     if phrases.context("blocked").search(lead):
-        return _STAYS
+        return _STATIONARY
     if thing.group == "vehicle":
         is_put = phrases.context("put").search(lead) and not re.search(r"\bleft (?!its )", lead)
         bars = phrases.context("bars").search(after)
-        return _STAYS if is_put or (bars and _governs(subject, bars, nouns)) else None
+        return _STATIONARY if is_put or (bars and _governs(subject, bars, nouns)) else None
     if phrases.context("borne").search(lead):
         return None
-    is_in_lane = "place in_lane" in told
+    is_in_lane = "place in_lane" in claimed
     lies = (
         is_in_lane
         or phrases.context("blocks").search(sentence)
         or phrases.context("put").search(lead)
     )
-    return _STAYS if lies else None
+    return _STATIONARY if lies else None
 
 
 def _governs(subject: Subject, found: re.Match[str], nouns: Sequence[Noun]) -> bool:

@@ -20,23 +20,23 @@ _LATER_WORD = re.compile(r"(?<=\s)[A-Za-z]{3,}")
 _INSIDE_A_SENTENCE = re.compile(r"\b(?!I\b)[a-z][\w'-]* (?:[A-Z][\w'-]* )*$")
 
 
-def is_unreal(kind: Kind, found: re.Match[str], mentioned: Iterable[Mention]) -> bool:
+def is_unreal(kind: Kind, match: re.Match[str], mentioned: Iterable[Mention]) -> bool:
     """Return whether a setting is denied, at another time, part of a name, or a figure of speech.
 
     Args:
         kind: The kind of claim.
-        found: Its words in the text.
+        match: Its words in the text.
         mentioned: The things that the text names.
     """
-    text, (start, end) = found.string, found.span()
+    text, (start, end) = match.string, match.span()
     before, after = text[max(0, start - _NEAR) : start], text[end:]
     if phrases.context("denied_too").search(before) or _is_listed(before, after):
         return True
     if kind == "ego":
-        return re.search(r"\b(?:no|not|never|neither|nor)\b", found.group(0)) is not None
+        return re.search(r"\b(?:no|not|never|neither|nor)\b", match.group(0)) is not None
     if kind not in ("weather", "time", "road"):
         return kind != "traffic" and phrases.context("denied").search(before) is not None
-    if phrases.context("denied").search(before) or _is_quoted(found):
+    if phrases.context("denied").search(before) or _is_quoted(match):
         return True
     if _is_in_a_name(kind, text, end, mentioned):
         return True
@@ -44,8 +44,8 @@ def is_unreal(kind: Kind, found: re.Match[str], mentioned: Iterable[Mention]) ->
         _is_said(before, after)
         or phrases.context("supposed").search(before) is not None
         or _is_at_another_time(kind, before, after)
-        or _is_proper_name(found, before)
-        or _is_figurative(found.group(0), before, after)
+        or _is_proper_name(match, before)
+        or _is_figurative(match.group(0), before, after)
     )
 
 
@@ -56,12 +56,12 @@ def _is_listed(before: str, after: str) -> bool:
     )
 
 
-def _is_quoted(found: re.Match[str]) -> bool:
+def _is_quoted(match: re.Match[str]) -> bool:
     """Return whether quotation marks around a part of the text enclose some words."""
     return any(
-        quotation.start() < found.start() and found.end() < quotation.end()
-        for quotation in _QUOTATION.finditer(found.string)
-        if quotation.group(0) != found.string
+        quotation.start() < match.start() and match.end() < quotation.end()
+        for quotation in _QUOTATION.finditer(match.string)
+        if quotation.group(0) != match.string
     )
 
 
@@ -112,11 +112,11 @@ def _was_once(before: str, after: str) -> bool:
     return bool(was or phrases.context("was_but_now").match(after))
 
 
-def _is_proper_name(found: re.Match[str], before: str) -> bool:
+def _is_proper_name(match: re.Match[str], before: str) -> bool:
     """Return whether a word has a capital inside a sentence, in a text that is not in title case."""
-    if not (found.group(0)[0].isupper() and _INSIDE_A_SENTENCE.search(before)):
+    if not (match.group(0)[0].isupper() and _INSIDE_A_SENTENCE.search(before)):
         return False
-    words: list[str] = _LATER_WORD.findall(found.string)
+    words: list[str] = _LATER_WORD.findall(match.string)
     return 2 * sum(word[0].isupper() for word in words) <= len(words)
 
 

@@ -19,10 +19,10 @@ from oodscen.author._staging.background_traffic import (
     surrounding_traffic,
     tailgater,
 )
-from oodscen.author._staging.counterparts import drawn_near, replaced
-from oodscen.author._staging.deciding import decided
-from oodscen.author._staging.decision_timing import scales
-from oodscen.author._staging.lanes import settled, varied
+from oodscen.author._staging.counterparts import moved_near, stand_ins
+from oodscen.author._staging.deciding import with_decision
+from oodscen.author._staging.decision_timing import suits_any_speed
+from oodscen.author._staging.lanes import with_ego_lane, with_variant
 from oodscen.author._staging.layout import Cast, Layout
 from oodscen.author._staging.told import Told
 from oodscen.author._staging.weather import draw_weather
@@ -58,7 +58,7 @@ class Stager:
         layout = self._layout(told, prompt.catalogue, rng)
         kinds = available(self.knowledge.company, prompt.catalogue)
         behind = tailgater(kinds, layout, told)
-        layout = decided(replace(layout, is_followed=behind is not None), told.distance_m)
+        layout = with_decision(replace(layout, is_followed=behind is not None), told.distance_m)
         cast = cast_all(layout)
         if told.traffic is not None and told.traffic.actor is not None:
             cast = cast.joined_by(named_traffic(told.traffic.actor, layout, told.of_traffic))
@@ -70,7 +70,7 @@ class Stager:
             decision = decision.model_copy(update={"actor": decisive})
         if attempt < _PLAIN_FROM:
             decision_s = expected_decision_s(decision, cast.actors, layout.speed)
-            cast = _countered(cast, told, layout, decisive, decision_s)
+            cast = _with_counterparts(cast, told, layout, decisive, decision_s)
             if told.traffic is None and layout.recipe.company:
                 others = surrounding_traffic(
                     kinds, layout, cast.everyone, decision_s, is_dense=told.is_dense
@@ -88,7 +88,7 @@ class Stager:
             ego=Ego(speed=layout.speed, lane=layout.ego_lane),
             weather=layout.weather,
             actors=list(cast.actors),
-            stands_for=_shown(prompt.things, cast, layout),
+            stands_for=_actors_of(prompt.things, cast, layout),
             hazard=Hazard(actors=dict(cast.unusual), weather=layout.ordinary_weather),
             decision=decision,
             horizon_s=layout.recipe.horizon,
@@ -120,20 +120,20 @@ class Stager:
         place = self._place(told, rng)
         road = _map_for(place, told, digest)
         offered = {asset.id: asset for asset in digest.assets}
-        recipe = recipe_aside(varied(told.recipe, told.text), told.text, offered)
+        recipe = recipe_aside(with_variant(told.recipe, told.text), told.text, offered)
         limits = WeatherLimits.of(digest.weather)
         weather, ordinary = draw_weather(recipe, told, self.knowledge, limits, rng)
-        recipe, lane = settled(recipe, road, told.text, rng)
-        speeds = place.speed if scales(recipe) else recipe.speed
-        wanted = round(float(rng.uniform(*speeds)), 2)
-        speed = round(min(wanted, road.speed_limit), 2)
+        recipe, lane = with_ego_lane(recipe, road, told.text, rng)
+        speeds = place.speed if suits_any_speed(recipe) else recipe.speed
+        usual_speed = round(float(rng.uniform(*speeds)), 2)
+        speed = round(min(usual_speed, road.speed_limit), 2)
         return Layout(
             digest=digest,
             road=road,
             recipe=recipe,
             rng=rng,
             speed=speed,
-            slowed=speed / wanted,
+            slowed=speed / usual_speed,
             ego_lane=lane,
             weather=weather,
             ordinary_weather=ordinary,
@@ -147,8 +147,9 @@ class Stager:
             return named
         fitting = places_of(hazard, self.knowledge)
         if named is not None:
-            alike = max(len(set(named.traits) & set(p.traits)) for p in fitting)
-            fitting = [p for p in fitting if len(set(named.traits) & set(p.traits)) == alike]
+            shared = [len(set(named.traits) & set(place.traits)) for place in fitting]
+            most = max(shared)
+            fitting = [place for place, count in zip(fitting, shared, strict=True) if count == most]
         return fitting[int(rng.integers(len(fitting)))]
 
 
@@ -167,19 +168,19 @@ def _map_for(place: RoadKind, told: Told, digest: CatalogueDigest) -> MapLine:
     )
 
 
-def _countered(
+def _with_counterparts(
     cast: Cast, told: Told, layout: Layout, decisive: str | None, decision_s: float
 ) -> Cast:
     """Give the twin an ordinary road user where the hazard is, a new one or one of its own that would drive away."""
     hazard = next((actor for actor in cast.actors if actor.id == decisive), None)
     if hazard is None:
         return cast
-    one = stand_in(told.hazard, told.text, told.place)
-    if one is not None and not told.is_quiet and hazard.id in cast.unusual:
-        twin = replaced(one, layout, hazard, decision_s)
+    road_user = stand_in(told.hazard, told.text, told.place)
+    if road_user is not None and not told.is_quiet and hazard.id in cast.unusual:
+        twin = stand_ins(road_user, layout, hazard, decision_s)
         return cast._replace(unusual={**cast.unusual, **twin})
     if layout.ordinary_weather is None:
-        return cast._replace(unusual=drawn_near(cast, layout, hazard, decision_s))
+        return cast._replace(unusual=moved_near(cast, layout, hazard, decision_s))
     return cast
 
 
@@ -190,22 +191,28 @@ def _off_centre(cast: Cast, seed: int, text: str) -> Cast:
     """
     tied = cast.tied
 
-    def moved(one: Actor) -> Actor:
-        return one if one.id in tied else off_centre(one, stream(seed, "off centre", text, one.id))
+    def moved(actor: Actor) -> Actor:
+        if actor.id in tied:
+            return actor
+        return off_centre(actor, stream(seed, "off centre", text, actor.id))
 
-    unusual = {name: one and moved(one) for name, one in cast.unusual.items()}
+    unusual = {
+        actor_id: None if counterpart is None else moved(counterpart)
+        for actor_id, counterpart in cast.unusual.items()
+    }
     return Cast([moved(actor) for actor in cast.actors], unusual)
 
 
-def _shown(things: Sequence[str], cast: Cast, layout: Layout) -> dict[str, list[str]]:
+def _actors_of(things: Sequence[str], cast: Cast, layout: Layout) -> dict[str, list[str]]:
     """Return for each thing of the claims the actors that its noun fits: unusual ones, or else others."""
-    found = {}
+    actors_of = {}
     for thing in things:
-        fits = [
+        fitting = [
             actor.id
             for actor in cast.actors
             if actor.asset in layout.assets and may_be(thing, layout.assets[actor.asset])
         ]
-        if shown := [name for name in fits if name in cast.unusual] or fits:
-            found[thing] = shown
-    return found
+        unusual = [actor_id for actor_id in fitting if actor_id in cast.unusual]
+        if fitting:
+            actors_of[thing] = unusual or fitting
+    return actors_of

@@ -9,12 +9,13 @@ from oodscen.author._knowledge.base import Counterpart, Range, Recipe, RecipeAct
 from oodscen.driving._motion.behaviours import having
 from oodscen.prompts._digest import MapLine
 
-_BESIDE = 2.0
+_BESIDE_M = 2.0
 """Offset from a lane's centre beyond which an actor is beside the lane, m."""
-_LANE_WIDTH = 3.5
-_OTHER_LANE = 0.75
+_LANE_WIDTH_M = 3.5
+_OTHER_LANE_SHARE = 0.75
 """Share of the scenes with the ego outside the rightmost lane, if the recipe permits it."""
-_MIRRORED = 0.5
+_MIRRORED_SHARE = 0.5
+"""Share of the scenes that are mirrored, if the recipe permits it."""
 _REACHES_FARTHER = having(lambda row: row.reaches_farther)
 _NAMES_LANE = re.compile(
     r"\b(?:left|right|nearside|offside|inside|outside|outer|inner|middle|centre|slow|fast|overtaking|"
@@ -36,12 +37,12 @@ _OTHER_STATE = {
 }
 
 
-def varied(recipe: Recipe, text: str) -> Recipe:
+def with_variant(recipe: Recipe, text: str) -> Recipe:
     """Return a recipe with the changes of the first variant whose words occur in a text."""
     words = f" {folded_words(text)} "
     for variant in recipe.variants:
         if any(f" {folded_words(phrase)} " in words for phrase in variant.words):
-            actors = tuple(_changed(a, variant.actors.get(a.id)) for a in recipe.actors)
+            actors = tuple(_changed(actor, variant.actors.get(actor.id)) for actor in recipe.actors)
             return recipe.model_copy(update={"actors": actors})
     return recipe
 
@@ -61,7 +62,7 @@ def _changed(actor: RecipeActor, change: Counterpart | None) -> RecipeActor:
     return actor.model_copy(update=fields)
 
 
-def settled(
+def with_ego_lane(
     recipe: Recipe, road: MapLine, text: str, rng: np.random.Generator
 ) -> tuple[Recipe, int]:
     """Choose the ego's lane for a recipe with placements for the rightmost one, unless the text names a lane or side.
@@ -69,20 +70,21 @@ def settled(
     Returns:
         The recipe with placements for the chosen lane, and the lane, counted from the right.
     """
-    least = max(0, -min((min(a.lane) for a in recipe.actors if len(a.lane) == 1), default=0))
+    fixed_lanes = [min(actor.lane) for actor in recipe.actors if len(actor.lane) == 1]
+    least = max(0, -min(fixed_lanes, default=0))
     lane = min(least, road.lanes - 1)
-    draw, other = float(rng.random()), int(rng.integers(1, max(road.lanes, 2)))
+    draw, other_lane = float(rng.random()), int(rng.integers(1, max(road.lanes, 2)))
     if recipe.ego_lane == "right" or road.lanes < 2 or _NAMES_LANE.search(text):
         return recipe, lane
     if recipe.ego_lane == "mirror":
-        if draw >= _MIRRORED or _NAMES_SIDE.search(text):
+        if draw >= _MIRRORED_SHARE or _NAMES_SIDE.search(text):
             return recipe, lane
         mirrored = tuple(map(_mirrored, recipe.actors))
         return recipe.model_copy(update={"actors": mirrored}), road.lanes - 1
-    if draw >= _OTHER_LANE:
+    if draw >= _OTHER_LANE_SHARE:
         return recipe, lane
-    actors = tuple(_at_the_kerb(actor, other) for actor in recipe.actors)
-    return recipe.model_copy(update={"actors": actors}), other
+    actors = tuple(_at_the_kerb(actor, other_lane) for actor in recipe.actors)
+    return recipe.model_copy(update={"actors": actors}), other_lane
 
 
 def _at_the_kerb(actor: RecipeActor, lanes: int) -> RecipeActor:
@@ -91,25 +93,25 @@ def _at_the_kerb(actor: RecipeActor, lanes: int) -> RecipeActor:
     A pedestrian who crosses from the roadside has further to go, and starts earlier.
     """
     update: dict[str, object] = {}
-    if actor.at == "start" and actor.lane == (0,) and max(actor.offset) < -_BESIDE:
+    if actor.at == "start" and actor.lane == (0,) and max(actor.offset) < -_BESIDE_M:
         update["lane"] = (-lanes,)
         if actor.behaviour in _REACHES_FARTHER:
-            further = _LANE_WIDTH * lanes
-            low, high = _numbers(actor, "distance", 12.0)
+            further = _LANE_WIDTH_M * lanes
+            low, high = _limits(actor, "distance", 12.0)
             update["parameters"] = {**actor.parameters, "distance": (low + further, high + further)}
-            seconds = further / (0.5 * sum(_numbers(actor, "speed", 1.4)))
+            seconds = further / (0.5 * sum(_limits(actor, "speed", 1.4)))
             sooner = {"ttc": seconds, "distance": 10.0 * seconds}.get(actor.trigger.kind, 0.0)
             low, high = actor.trigger.value
             value = (low + sooner, high + sooner)
             update["trigger"] = actor.trigger.model_copy(update={"value": value})
     twin = actor.ordinary if isinstance(actor.ordinary, Counterpart) else Counterpart()
-    is_aside = twin.lane is None and twin.offset is not None and max(twin.offset) < -_BESIDE
+    is_aside = twin.lane is None and twin.offset is not None and max(twin.offset) < -_BESIDE_M
     if "lane" not in update and is_aside:
         update["ordinary"] = twin.model_copy(update={"lane": -lanes})
     return actor.model_copy(update=update)
 
 
-def _numbers(actor: RecipeActor, name: str, default: float) -> Range:
+def _limits(actor: RecipeActor, name: str, default: float) -> Range:
     limits = actor.parameters.get(name, (default, default))
     return (default, default) if limits == "ego" else limits
 

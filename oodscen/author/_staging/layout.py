@@ -58,8 +58,8 @@ class Layout:
 
     def choose(self, options: tuple[str, ...], named: tuple[Thing, ...] | None = None) -> str:
         """Choose an asset that the simulator offers and the text may mean, by default by the things of the scene."""
-        fitting = [option for option in options if option in self.assets] or list(options)
-        fitting = _meant(fitting, self.assets, self.named if named is None else named)
+        offered = [option for option in options if option in self.assets] or list(options)
+        fitting = _named_options(offered, self.assets, self.named if named is None else named)
         return fitting[int(self.rng.integers(len(fitting)))]
 
     def has_lane(self, lane: int) -> bool:
@@ -79,10 +79,10 @@ class Layout:
             return speed * math.cos(math.radians(0.5 * sum(actor.heading_deg)))
         return speed * _DIRECTIONS.get(course, 0.0)
 
-    def pixels(self, actor: RecipeActor, away: float) -> float:
-        """Return the smallest area that an actor some metres away may cover in the dash camera's image, square pixels."""
+    def pixels(self, actor: RecipeActor, distance_m: float) -> float:
+        """Return the smallest area that an actor at a distance may cover in the dash camera's image, square pixels."""
         areas = (
-            across * (height + _EYE_M * along / away) * (_FOCAL_PX / away) ** 2
+            across * (height + _EYE_M * along / distance_m) * (_FOCAL_PX / distance_m) ** 2
             for along, across, height in self._extents(actor)
         )
         return min(areas, default=math.inf)
@@ -97,21 +97,21 @@ class Layout:
                 yield along, cosine * asset.width_m + sine * asset.length_m, asset.height_m
 
 
-def _meant(
+def _named_options(
     options: list[str], assets: Mapping[str, AssetLine], named: tuple[Thing, ...]
 ) -> list[str]:
     """Return the assets that a text names; all of them if it names none or all."""
     if len(options) < 2:
         return options
-    chosen = [
+    by_thing = [
         [option for option in options if option in assets and thing.fits(assets[option])]
         for thing in named
     ]
-    exact = [found for found in chosen if 0 < len(set(found)) < len(set(options))]
-    if not exact:
+    telling = [fitting for fitting in by_thing if 0 < len(set(fitting)) < len(set(options))]
+    if not telling:
         return options
-    common = [option for option in options if all(option in found for found in exact)]
-    return common or [option for option in options if any(option in found for found in exact)]
+    common = [option for option in options if all(option in fitting for fitting in telling)]
+    return common or [option for option in options if any(option in fitting for fitting in telling)]
 
 
 class Cast(NamedTuple):

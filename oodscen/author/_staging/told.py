@@ -52,9 +52,8 @@ class Told:
     def is_dense(self) -> bool:
         """True if the text asks for more road users than a recipe has."""
         return any(
-            claim.subject in ("vehicle", "car")
-            if claim.kind == "count"
-            else claim.kind == "traffic" and claim.value == "dense"
+            (claim.kind == "count" and claim.subject in ("vehicle", "car"))
+            or (claim.kind == "traffic" and claim.value == "dense")
             for claim in self.claims
         )
 

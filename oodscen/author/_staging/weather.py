@@ -1,7 +1,7 @@
 """Weather of a scene, drawn from the text, the recipe and the limits of the simulator."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -27,56 +27,75 @@ def draw_weather(
     """
     fields: dict[str, Any] = {}
     clear = knowledge.condition_keys.get("clear")
-    ordered = sorted(told.conditions, key=lambda c: c.weather.get("sun_elevation_deg", 0) != 0)
+    # Conditions that set the sun come last.
+    ordered = sorted(
+        told.conditions, key=lambda condition: condition.weather.get("sun_elevation_deg", 0) != 0
+    )
     layers = [conditions.weather for conditions in (clear, *ordered) if conditions is not None]
     for layer in (*layers, recipe.weather):
         fields.update(_drawn(layer, rng))
-    dark = [c for c in told.conditions if _is_dark(c)]
+    dark = [condition for condition in told.conditions if _is_dark(condition)]
     if dark and "sun_elevation_deg" not in recipe.weather:
         fields.update(_drawn({"sun_elevation_deg": dark[0].weather["sun_elevation_deg"]}, rng))
-    _agree(fields, {c.value for c in told.claims if c.kind in ("weather", "time")}, recipe, rng)
-    weather = _shown(fields, limits)
+    claimed = {claim.value for claim in told.claims if claim.kind in ("weather", "time")}
+    _agree(fields, claimed, recipe, rng)
+    weather = _within_limits(fields, limits)
     if not recipe.ordinary_weather:
         return weather, None
     ordinary = {**weather.model_dump(), **recipe.ordinary_weather}
-    return weather, _shown(ordinary, limits)
+    return weather, _within_limits(ordinary, limits)
 
 
 def _agree(
-    fields: dict[str, Any], said: set[str], recipe: Recipe, rng: np.random.Generator
+    fields: dict[str, Any], claimed: set[str], recipe: Recipe, rng: np.random.Generator
 ) -> None:
     """Adjust the weather to the claims of the text, in place, except for fields that the recipe sets.
 
     The number of draws is the same for every text.
     """
     draw = float(rng.random())
-    for value, field, (least, most), (low, high), more in _AGREED:
-        if value not in said or field in recipe.weather or more.keys() & recipe.weather.keys():
+    for value, rule in _RULES.items():
+        fixed = recipe.weather.keys() & {rule.field, *rule.others}
+        if value not in claimed or fixed:
             continue
-        current = float(fields.get(field, Weather.model_fields[field].default))
+        least, most = rule.permitted
+        low, high = rule.drawn
+        current = float(fields.get(rule.field, Weather.model_fields[rule.field].default))
         if not least <= current <= most:
-            fields[field] = round(low + draw * (high - low), 2)
-            fields.update(more)
+            fields[rule.field] = round(low + draw * (high - low), 2)
+            fields.update(rule.others)
+
+
+class _Rule(NamedTuple):
+    """The weather that a claim requires."""
+
+    field: str
+    permitted: Range
+    """Values for which the claim holds."""
+    drawn: Range
+    """Range to draw from if it does not hold."""
+    others: Mapping[str, str] = {}
+    """Fields to set with it."""
 
 
 _RAIN, _SNOW = {"precipitation": "rain"}, {"precipitation": "snow"}
-_AGREED: tuple[tuple[str, str, Range, Range, dict[str, str]], ...] = (
-    ("clear", "cloud_cover", (0.0, 0.4), (0.0, 0.3), {}),
-    ("cloudy", "cloud_cover", (0.7, 1.0), (0.85, 1.0), {}),
-    ("light_rain", "precipitation_mm_h", (0.1, 2.5), (0.8, 2.4), _RAIN),
-    ("heavy_rain", "precipitation_mm_h", (8.0, 100.0), (9.0, 16.0), _RAIN),
-    ("light_snow", "precipitation_mm_h", (0.1, 2.0), (0.6, 1.9), _SNOW),
-    ("heavy_snow", "precipitation_mm_h", (4.0, 100.0), (5.0, 9.0), _SNOW),
-    ("wet_road", "friction", (0.1, 0.8), (0.65, 0.75), {}),
-    ("slippery_road", "friction", (0.1, 0.5), (0.25, 0.4), {}),
-    ("fog", "fog_visual_range_m", (0.0, 900.0), (180.0, 400.0), {}),
-    ("thick_fog", "fog_visual_range_m", (0.0, 180.0), (50.0, 110.0), {}),
-    ("day", "sun_elevation_deg", (1.0, 90.0), (25.0, 45.0), {}),
-    ("night", "sun_elevation_deg", (-90.0, -6.0), (-28.0, -18.0), {}),
-    ("twilight", "sun_elevation_deg", (-6.0, 5.0), (-2.5, -0.9), {}),
-    ("low_sun", "sun_elevation_deg", (1.0, 14.0), (4.0, 9.0), {}),
-)
-"""For each claim: the field, its permitted range, the range to draw from otherwise, and fields to set with it."""
+_RULES: Mapping[str, _Rule] = {
+    "clear": _Rule("cloud_cover", (0.0, 0.4), (0.0, 0.3)),
+    "cloudy": _Rule("cloud_cover", (0.7, 1.0), (0.85, 1.0)),
+    "light_rain": _Rule("precipitation_mm_h", (0.1, 2.5), (0.8, 2.4), _RAIN),
+    "heavy_rain": _Rule("precipitation_mm_h", (8.0, 100.0), (9.0, 16.0), _RAIN),
+    "light_snow": _Rule("precipitation_mm_h", (0.1, 2.0), (0.6, 1.9), _SNOW),
+    "heavy_snow": _Rule("precipitation_mm_h", (4.0, 100.0), (5.0, 9.0), _SNOW),
+    "wet_road": _Rule("friction", (0.1, 0.8), (0.65, 0.75)),
+    "slippery_road": _Rule("friction", (0.1, 0.5), (0.25, 0.4)),
+    "fog": _Rule("fog_visual_range_m", (0.0, 900.0), (180.0, 400.0)),
+    "thick_fog": _Rule("fog_visual_range_m", (0.0, 180.0), (50.0, 110.0)),
+    "day": _Rule("sun_elevation_deg", (1.0, 90.0), (25.0, 45.0)),
+    "night": _Rule("sun_elevation_deg", (-90.0, -6.0), (-28.0, -18.0)),
+    "twilight": _Rule("sun_elevation_deg", (-6.0, 5.0), (-2.5, -0.9)),
+    "low_sun": _Rule("sun_elevation_deg", (1.0, 14.0), (4.0, 9.0)),
+}
+"""Rules by value of a claim."""
 
 
 def _is_dark(condition: Conditions) -> bool:
@@ -92,18 +111,20 @@ def _drawn(layer: Mapping[str, Any], rng: np.random.Generator) -> dict[str, Any]
     return drawn
 
 
-def _shown(fields: dict[str, Any], limits: WeatherLimits) -> Weather:
+def _within_limits(fields: dict[str, Any], limits: WeatherLimits) -> Weather:
     """Limit weather to what the simulator can show."""
-    kept = dict(fields)
+    limited = dict(fields)
     kinds = {"rain": limits.rain, "snow": limits.snow, "none": True}
-    kind = str(kept.get("precipitation", "none"))
+    kind = str(limited.get("precipitation", "none"))
     if kind == "none" or not kinds[kind]:
-        kept.update(_DRY)
-    if kept.get("precipitation_mm_h"):
-        kept["precipitation_mm_h"] = min(kept["precipitation_mm_h"], limits.intensity)
-    if "fog_visual_range_m" in kept:
-        kept["fog_visual_range_m"] = max(kept["fog_visual_range_m"], limits.fog_m)
-    kept["friction"] = max(kept.get("friction", 1.0), limits.friction)
+        limited.update(_DRY)
+    if limited.get("precipitation_mm_h"):
+        limited["precipitation_mm_h"] = min(limited["precipitation_mm_h"], limits.intensity)
+    if "fog_visual_range_m" in limited:
+        limited["fog_visual_range_m"] = max(limited["fog_visual_range_m"], limits.fog_m)
+    limited["friction"] = max(limited.get("friction", 1.0), limits.friction)
     if not limits.night:
-        kept["sun_elevation_deg"] = max(kept.get("sun_elevation_deg", 45.0), limits.sun_deg, 0.0)
-    return Weather.model_validate(kept)
+        limited["sun_elevation_deg"] = max(
+            limited.get("sun_elevation_deg", 45.0), limits.sun_deg, 0.0
+        )
+    return Weather.model_validate(limited)

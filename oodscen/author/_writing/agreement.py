@@ -20,7 +20,7 @@ class Agreement:
 
     def __init__(self, knowledge: Knowledge) -> None:
         self._clashes = knowledge.clash
-        self._found: dict[str, tuple[Clash, ...]] = {}
+        self._cache: dict[str, tuple[Clash, ...]] = {}
 
     def clashes(self, clause: str, setting: PlaceAndTime) -> list[str]:
         """Return the words of a clause that are incompatible with a setting, each with the reason."""
@@ -31,16 +31,18 @@ class Agreement:
         ]
 
     def suits(self, clause: str, setting: PlaceAndTime) -> bool:
+        """Return whether no word of a clause is incompatible with a setting."""
         return not any(_applies(clash, setting) for clash in self._in(clause))
 
     def suiting(self, clauses: Iterable[str], setting: PlaceAndTime) -> list[str]:
+        """Return the clauses that suit a setting."""
         return [clause for clause in clauses if self.suits(clause, setting)]
 
     def _in(self, clause: str) -> tuple[Clash, ...]:
-        clashes = self._found.get(clause)
+        clashes = self._cache.get(clause)
         if clashes is None:
             clashes = tuple(clash for clash in self._clashes if clash.pattern.search(clause))
-            self._found[clause] = clashes
+            self._cache[clause] = clashes
         return clashes
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from oodscen._text import folded_words
 from oodscen.author._knowledge.base import BackgroundTraffic, HazardKind, Knowledge, RoadKind
-from oodscen.author._reading.ego_naming import Name, named
+from oodscen.author._reading.ego_naming import Name, with_ego_named
 from oodscen.author._settings import Scope, every_setting
 from oodscen.author._staging.aside import ASIDE_SHARE, event_aside, may_be_aside
 from oodscen.author._staging.decision_timing import approach
@@ -70,6 +70,7 @@ class Composer:
         self._agreement = Agreement(knowledge)
 
     def text(self, hazard: HazardKind, rng: np.random.Generator, style: Style = "natural") -> str:
+        """Return one text."""
         return next(self.texts(hazard, rng, set(), style))
 
     def texts(
@@ -90,12 +91,12 @@ class Composer:
         idle = 0
         while idle < _IDLE_TRIES:
             plot = self._plot(hazard, rng, turns, style, scope)
-            suits = [one.suits(plot) for one in CONSTRUCTIONS[style]]
-            built = turns.first("construction", CONSTRUCTIONS[style], suits)
-            construction = built or FALLBACK
+            options = CONSTRUCTIONS[style]
+            suits = [option.suits(plot) for option in options]
+            construction = turns.first("construction", options, suits) or FALLBACK
             event = self._located(plot, hazard, construction, rng)
             text = construction.build(replace(plot, event=event))
-            text = named(text, turns.next("name", _REGISTERS[style].names))
+            text = with_ego_named(text, turns.next("name", _REGISTERS[style].names))
             key = folded_words(text)
             if key in taken or not 20 <= len(text) <= 600:
                 idle += 1
@@ -173,9 +174,10 @@ class Composer:
         if not hazard.traffic or rng.random() > share:
             return ""
         fitting = [
-            t
-            for t in scope.traffic
-            if _met_on(t, place) and self._agreement.suits(event, PlaceAndTime(traffic=t.key))
+            traffic
+            for traffic in scope.traffic
+            if _is_met_on(traffic, place)
+            and self._agreement.suits(event, PlaceAndTime(traffic=traffic.key))
         ]
         return _pick(rng, _pick(rng, fitting).phrases) if fitting else ""
 
@@ -196,7 +198,7 @@ class Composer:
             return event.replace("{where}", _pick(rng, lines).format(distance=distance))
         if rng.random() < 0.6:
             low, high = approach(hazard, plot.place).ahead
-            steps = [five * 5 for five in range(1, 61) if low <= five * 5 <= high]
+            steps = [metres for metres in range(5, 301, 5) if low <= metres <= high]
             distance = _pick(rng, steps) if steps else 5 * round(0.1 * (low + high))
             phrases = list(words.metres if is_brief else words.metres_ego)
             if "from {where}" in event:
@@ -245,7 +247,7 @@ def _shortest(phrases: Sequence[str], more: int = 1) -> list[str]:
     return [phrase for phrase in phrases if len(phrase.split()) <= least + more]
 
 
-def _met_on(traffic: BackgroundTraffic, place: RoadKind) -> bool:
+def _is_met_on(traffic: BackgroundTraffic, place: RoadKind) -> bool:
     return set(traffic.traits) <= set(place.traits)
 
 
@@ -257,22 +259,24 @@ class _Turns:
         self._decks: dict[str, list[int]] = {}
 
     def next(self, deck: str, options: Sequence[Option]) -> Option:
+        """Return the next option of a deck."""
         return options[self._deck(deck, len(options)).pop()]
 
     def first(self, deck: str, options: Sequence[Option], suits: Sequence[bool]) -> Option | None:
         """Return the next suitable option; skipped options keep their turn."""
-        for fresh in (False, True):
-            left = self._deck(deck, len(options), fresh)
-            for place in reversed(range(len(left))):
-                if suits[left[place]]:
-                    return options[left.pop(place)]
+        for is_fresh in (False, True):
+            indices = self._deck(deck, len(options), is_fresh=is_fresh)
+            for position in reversed(range(len(indices))):
+                if suits[indices[position]]:
+                    return options[indices.pop(position)]
         return None
 
-    def _deck(self, deck: str, size: int, fresh: bool = False) -> list[int]:
-        left = self._decks.setdefault(deck, [])
-        if fresh or not left:
-            left[:] = [int(index) for index in self._rng.permutation(size)]
-        return left
+    def _deck(self, deck: str, size: int, *, is_fresh: bool = False) -> list[int]:
+        """Return the indices left in a deck; an empty one, or one that is to be fresh, is shuffled again."""
+        indices = self._decks.setdefault(deck, [])
+        if is_fresh or not indices:
+            indices[:] = [int(index) for index in self._rng.permutation(size)]
+        return indices
 
 
 def _pick(rng: np.random.Generator, options: Sequence[Option]) -> Option:

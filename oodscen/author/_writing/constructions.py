@@ -64,8 +64,6 @@ class Plot:
     has_pronoun: bool = True
     """True if `it` may refer to the ego vehicle."""
 
-    # ---------------------------------------------------------------- words of the templates
-
     @property
     def at(self) -> str:
         """The place as the location of something that need not move along it."""
@@ -122,8 +120,6 @@ class Plot:
         if not self.has_pronoun:
             return ""
         return f"{'The ego vehicle' if self.traffic else 'It'} {KEEPS_ON}"
-
-    # ---------------------------------------------------------------- what suits them
 
     @property
     def starts_plainly(self) -> bool:

@@ -12,7 +12,7 @@ import numpy as np
 
 from oodscen._text import folded_words
 from oodscen.author._knowledge.base import HazardKind, Knowledge
-from oodscen.author._reading.ego_naming import Name, told_by
+from oodscen.author._reading.ego_naming import Name, clause_with_ego_named
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._writing.agreement import Agreement, PlaceAndTime
 from oodscen.author._writing.constructions import KEEPS_ON, nominal, standing
@@ -49,16 +49,16 @@ _ANY_ROAD = (
     "the lane ahead is clear and traffic moves along as usual",
     "the lane ahead is clear and nothing moves in it",
 )
-_OVER = 4
+_EXCESS = 4
 """Number of words by which an addition may exceed the missing length."""
 _TURNS = re.compile(
     r"\b(?:turn(?:s|ing)?|roundabout|u-turn|merg\w+|ramp|curves?|bends?)\b", re.IGNORECASE
 )
-_LINE = ": "
+_LINE_SEPARATOR = ": "
 """Separator of place and event in a line of a test catalogue."""
-_EMPTY = "quiet"
+_QUIET = "quiet"
 """Key of the entry for absent traffic."""
-_LITTLE = frozenset(
+_REPEATABLE = frozenset(
     "a an and as at by i in is it its me my of on the to with ego vehicle car up one that".split()
 )
 """Words that may be repeated."""
@@ -84,7 +84,11 @@ class OrdinaryAuthor:
             folded_words(detail) for hazard in knowledge.hazards for detail in hazard.details
         }
         frame = _alternatives(_frames(knowledge))
-        weather = (p for c in knowledge.conditions for p in (*c.phrases, *c.statements))
+        weather = (
+            phrase
+            for condition in knowledge.conditions
+            for phrase in (*condition.phrases, *condition.statements)
+        )
         self._weather = re.compile(_alternatives(weather), re.IGNORECASE)
         self._lead = re.compile(rf"(?:(?:{frame}|{_DRIVES}){_LINK})+", re.IGNORECASE)
         places = _alternatives(_places(knowledge))
@@ -109,15 +113,17 @@ class OrdinaryAuthor:
             )
         parts = list(self._split(text))
         events = (
-            n for n, part in enumerate(parts) if folded_words(part.event) not in self._details
+            index
+            for index, part in enumerate(parts)
+            if part.event and folded_words(part.event) not in self._details
         )
-        place = next((n for n in events if parts[n].event), None)
-        if place is None:
-            place = len(parts) - 1
-            parts[place] = _SentenceParts("", _whole(parts[place]), "")
+        event_index = next(events, None)
+        if event_index is None:
+            event_index = len(parts) - 1
+            parts[event_index] = _SentenceParts("", _unchanged(parts[event_index]), "")
+        event = parts[event_index]
+        kept = [part for index, part in enumerate(parts) if index == event_index or not part.event]
         length = len(folded_words(text).split())
-        event = parts[place]
-        kept = [part for n, part in enumerate(parts) if n == place or not part.event]
         if not event.lead and not event.trail and kept[-1] is not event:
             event, kept = _placed_first(event, kept)
         frame = " ".join(part.lead + part.trail for part in kept)
@@ -125,17 +131,20 @@ class OrdinaryAuthor:
         setting = self._setting(frame, text, hazard)
         clause = _not_twice(frame, self._counterpart(hazard, setting, text))
         name = _name(text)
-        is_line = event.lead.endswith(_LINE)
-        last = _worded(event, told_by(headline(clause) if is_line else clause, name))
+        is_line = event.lead.endswith(_LINE_SEPARATOR)
+        wording = headline(clause) if is_line else clause
+        last = _with_clause(event, clause_with_ego_named(wording, name))
         missing = room - len(clause.split())
         if missing > _SLACK:
-            more = told_by(self._more(clause, f"{frame} {clause}", missing, setting, rng), name)
+            more = clause_with_ego_named(
+                self._more(clause, f"{frame} {clause}", missing, setting, rng), name
+            )
             more = headline(more) if is_line else more
             if more and (_is_joined(event.lead, clause) or " and " in more):
                 last = f"{last} {more[0].upper()}{more[1:]}."
             elif more:
                 last = f"{last.rstrip('.')}, and {more}."
-        return " ".join(last if part is event else _whole(part) for part in kept)
+        return " ".join(last if part is event else _unchanged(part) for part in kept)
 
     def _split(self, text: str) -> Iterator[_SentenceParts]:
         """Split the text into sentences and their parts; the ego's location is recognised only once."""
@@ -186,9 +195,9 @@ class OrdinaryAuthor:
         It mentions no other road users if there are none.
         """
         place = self._recogniser.place(text, hazard.places) if hazard else None
-        one = stand_in(hazard, text, place)
-        if one is not None and setting.traffic != _EMPTY:
-            return one.clause
+        road_user = stand_in(hazard, text, place)
+        if road_user is not None and setting.traffic != _QUIET:
+            return road_user.clause
         if hazard is not None and hazard.stage is not None and hazard.stage.removes_hazards:
             return _ANY_ROAD[1]
         options = (*hazard.ordinary, *_ANY_ROAD) if hazard is not None else _ANY_ROAD
@@ -198,7 +207,7 @@ class OrdinaryAuthor:
     def _more(
         self,
         clause: str,
-        told: str,
+        text: str,
         missing: int,
         setting: PlaceAndTime,
         rng: np.random.Generator,
@@ -211,17 +220,17 @@ class OrdinaryAuthor:
             and (not driving.places or setting.place in driving.places)
             and (not driving.conditions or set(setting.conditions) & set(driving.conditions))
             for phrase in driving.phrases
-            if self._agreement.suits(phrase, setting) and len(phrase.split()) <= missing + _OVER
+            if self._agreement.suits(phrase, setting) and len(phrase.split()) <= missing + _EXCESS
         ]
         if "traffic" in clause:
             fitting = [phrase for phrase in fitting if "traffic" not in phrase]
-        if _TURNS.search(told):
+        if _TURNS.search(text):
             fitting = [phrase for phrase in fitting if "straight" not in phrase]
-        said = set(folded_words(told).split()) - _LITTLE
+        used = set(folded_words(text).split()) - _REPEATABLE
 
         def penalty(phrase: str) -> float:
             words = folded_words(phrase).split()
-            return abs(len(words) - missing) + _REPEATED * len(said & set(words))
+            return abs(len(words) - missing) + _REPEATED * len(used & set(words))
 
         fitting.sort(key=penalty)
         return fitting[int(rng.integers(min(_NEAREST, len(fitting))))] if fitting else ""
@@ -258,7 +267,7 @@ def _is_joined(lead: str, clause: str) -> bool:
     )
 
 
-def _worded(part: _SentenceParts, clause: str) -> str:
+def _with_clause(part: _SentenceParts, clause: str) -> str:
     lead = re.sub(r"\bwhen $", "while ", part.lead)
     lead = _NOWHERE.sub("", lead)
     if " and " in clause:
@@ -269,7 +278,7 @@ def _worded(part: _SentenceParts, clause: str) -> str:
     return f"{lead}{first}{clause[1:]}{part.trail}."
 
 
-def _whole(part: _SentenceParts) -> str:
+def _unchanged(part: _SentenceParts) -> str:
     return f"{part.lead}{part.event}{part.trail}".rstrip(".") + "."
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from oodscen.author._reading.ego_naming import named
+from oodscen.author._reading.ego_naming import with_ego_named
 
 TEXT = (
     "The ego vehicle is driving on a road. A box lies in the ego's lane ahead of the ego vehicle."
@@ -22,7 +22,7 @@ TEXT = (
     ],
 )
 def test_one_name_throughout(name, expected):
-    assert named(TEXT, name) == expected
+    assert with_ego_named(TEXT, name) == expected
 
 
 @pytest.mark.parametrize(
@@ -38,4 +38,4 @@ def test_one_name_throughout(name, expected):
     ],
 )
 def test_the_driver_tells_it(text, expected):
-    assert named(text, "I") == expected
+    assert with_ego_named(text, "I") == expected

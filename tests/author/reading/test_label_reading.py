@@ -55,7 +55,7 @@ def test_alternatives_share_what_follows_them(label: str, readings: list[str]) -
 
 def test_and_joins_and_or_divides() -> None:
     assert len(alternatives("Fog and deer").shares) == 1
-    assert [share.own for share in conjuncts("Fog and deer").shares] == ["Fog", "deer"]
+    assert [share.name for share in conjuncts("Fog and deer").shares] == ["Fog", "deer"]
     assert subject("A large dog running onto the road") == ["large", "dog"]
 
 

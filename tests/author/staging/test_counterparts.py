@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from oodscen.author._knowledge.base import Recipe
 from oodscen.author._knowledge.loading import load_knowledge
-from oodscen.author._staging.counterparts import drawn_near, replaced
+from oodscen.author._staging.counterparts import moved_near, stand_ins
 from oodscen.author._staging.layout import Cast, Layout
 from oodscen.author._writing.stand_in import StandIn
 from oodscen.data._scene import Actor, Behaviour, Placement
@@ -58,7 +58,7 @@ def test_someone_on_the_pavement_is_in_view_and_no_farther_than_need_be(
     speed: float, away: float, seconds: float, lane: int
 ) -> None:
     hazard = actor("a", away + speed * seconds)
-    one = replaced(WALKER, staged(speed, lane), hazard, seconds)["a"]
+    one = stand_ins(WALKER, staged(speed, lane), hazard, seconds)["a"]
     there = gap(one, speed, seconds)
     aside = 3.5 * lane - one.placement.offset_m
     assert there >= 2.0 * aside
@@ -69,13 +69,13 @@ def test_someone_on_the_pavement_is_in_view_and_no_farther_than_need_be(
 @given(SPEEDS, GAPS, TIMES)
 def test_a_vehicle_ahead_keeps_its_distance(speed: float, away: float, seconds: float) -> None:
     hazard = actor("a", away + speed * seconds)
-    one = replaced(CAR, staged(speed), hazard, seconds)["a"]
+    one = stand_ins(CAR, staged(speed), hazard, seconds)["a"]
     assert gap(one, speed, seconds) >= 0.9 * speed + 8.0 - 0.01
 
 
 def test_nobody_stands_in_whom_the_catalogue_lacks() -> None:
     one = StandIn(("hovercraft",), True, "a hovercraft drives ahead")
-    assert not replaced(one, staged(10.0), actor("a", 50.0), 3.0)
+    assert not stand_ins(one, staged(10.0), actor("a", 50.0), 3.0)
 
 
 @given(SPEEDS, GAPS, TIMES, st.floats(1.0, 1.5), st.floats(5.0, 120.0))
@@ -87,7 +87,7 @@ def test_a_vehicle_that_would_drive_away_is_where_the_hazard_is(
         "a": actor("a", start, "follow_lane", speed=faster * speed),
         "b": actor("b", start + 9.0, "follow_lane", speed=faster * speed),
     }
-    found = drawn_near(Cast([hazard], rows), staged(speed), hazard, seconds)
+    found = moved_near(Cast([hazard], rows), staged(speed), hazard, seconds)
     first, second = found["a"], found["b"]
     assert first is not None
     assert second is not None
@@ -110,7 +110,7 @@ def test_a_vehicle_that_would_drive_away_is_where_the_hazard_is(
 def test_slower_vehicles_other_lanes_and_standing_things_stay(other: Actor | None) -> None:
     hazard = actor("a", 60.0)
     cast = Cast([hazard], {"a": other})
-    assert drawn_near(cast, staged(10.0), hazard, 3.0) == cast.unusual
+    assert moved_near(cast, staged(10.0), hazard, 3.0) == cast.unusual
 
 
 def test_a_vehicle_stays_with_its_trailer() -> None:
@@ -119,4 +119,4 @@ def test_a_vehicle_stays_with_its_trailer() -> None:
     trailer = actor("b", 74.0).model_copy(update={"behaviour": behaviour})
     hazard = actor("a", 60.0)
     cast = Cast([hazard, trailer], {"a": car})
-    assert drawn_near(cast, staged(10.0), hazard, 3.0) == {"a": car}
+    assert moved_near(cast, staged(10.0), hazard, 3.0) == {"a": car}

@@ -7,7 +7,7 @@ from oodscen._seeding import stream
 from oodscen._text import folded_words
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.author._knowledge.base import Counterpart, Knowledge, Recipe
-from oodscen.author._staging.lanes import settled, varied
+from oodscen.author._staging.lanes import with_ego_lane, with_variant
 from oodscen.prompts._digest import CatalogueDigest, MapLine
 from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
 
@@ -29,7 +29,7 @@ def recipe_of(ego_lane: str, **actor: Any) -> Recipe:
 
 
 def chosen(recipe: Recipe, text: str = "x") -> list[tuple[Recipe, int]]:
-    return [settled(recipe, ROAD, text, stream(seed, "lane")) for seed in range(60)]
+    return [with_ego_lane(recipe, ROAD, text, stream(seed, "lane")) for seed in range(60)]
 
 
 def test_the_rightmost_lane_unless_the_recipe_allows_others() -> None:
@@ -114,8 +114,8 @@ def test_a_variant_goes_with_its_words() -> None:
             ).variants
         }
     )
-    assert varied(recipe, "It stands in the lane.") == recipe
-    actor = varied(recipe, "It stands on the verge.").actors[0]
+    assert with_variant(recipe, "It stands in the lane.") == recipe
+    actor = with_variant(recipe, "It stands on the verge.").actors[0]
     assert actor.offset == (-3.0, -3.0)
     assert actor.parameters == {"speed": (1.0, 1.0), "distance": (2.0, 2.0)}
 
@@ -169,4 +169,4 @@ def test_the_choice_is_reproducible() -> None:
     recipe = recipe_of("any")
     rng = np.random.default_rng(3)
     again = np.random.default_rng(3)
-    assert settled(recipe, ROAD, "x", rng) == settled(recipe, ROAD, "x", again)
+    assert with_ego_lane(recipe, ROAD, "x", rng) == with_ego_lane(recipe, ROAD, "x", again)
