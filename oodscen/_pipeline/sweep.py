@@ -39,8 +39,11 @@ from oodscen.study._store import Store
 CHUNK = 16
 """Maximum number of scenes per job. A job starts one simulator, and all its scenes share one map."""
 
+NOISE = 2
+"""Largest change of a colour value by the sensor's noise, of 255."""
+
 Chunk = tuple[Scene, ...]
-Made = TypeVar("Made")
+Work = TypeVar("Work")
 
 
 @dataclass(frozen=True)
@@ -178,27 +181,25 @@ def run_chunk(job: Job, scenes: Sequence[Scene]) -> list[SweepResult]:
         simulator = make_simulator(job.simulator)
         try:
             while waiting:
-                sweep_results = _run_pair(job, simulator, waiting.pop())
-                results += sweep_results
-                if any(
-                    result.episode.error_type == SimulatorCrash.__name__ for result in sweep_results
-                ):
+                drives = _run_drives(job, simulator, waiting.pop())
+                results += drives
+                if any(drive.episode.error_type == SimulatorCrash.__name__ for drive in drives):
                     break
         finally:
             close(simulator)
     return results
 
 
-def _run_pair(job: Job, simulator: Simulator, scene: Scene) -> list[SweepResult]:
+def _run_drives(job: Job, simulator: Simulator, scene: Scene) -> list[SweepResult]:
     """Run a scene, its twin and its demand, as far as the job asks for them."""
-    first, simulated = _run(job, simulator, scene)
-    results = [first]
+    result, simulated = _run(job, simulator, scene)
+    results = [result]
     if scene.is_ordinary:
         return results
-    ran = first.restaged or scene
-    decision_s = first.episode.decision_s
+    ran = result.restaged or scene
+    decision_s = result.episode.decision_s
     if simulated is None or decision_s is None:
-        return results + _lost(job, first.episode)
+        return results + _failed_drives(job, result.episode)
     if job.twins:
         results.append(_run(job, simulator, ran.twin(decision_s))[0])
     if job.demands:
@@ -209,15 +210,16 @@ def _run_pair(job: Job, simulator: Simulator, scene: Scene) -> list[SweepResult]
 def _demand(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) -> SweepResult:
     """Make and run the demand of a scene that was run."""
     name = demand_id(scene.id)
-    found = _guard(job, name, lambda: draw_demand(scene, simulated, _rerunner(job, simulator)))
-    if isinstance(found, Episode):
-        return SweepResult(found)
-    demand, run = found
-    result = _guard(job, name, lambda: _result(job, simulator, demand, run))
-    return SweepResult(result) if isinstance(result, Episode) else replace(result, demand=demand)
+
+    def run() -> SweepResult:
+        demand = draw_demand(scene, simulated, _rerunner(job, simulator))
+        return replace(_result(job, simulator, *demand), demand=demand.scene)
+
+    result = _guarded(job, name, run)
+    return SweepResult(result) if isinstance(result, Episode) else result
 
 
-def _lost(job: Job, episode: Episode) -> list[SweepResult]:
+def _failed_drives(job: Job, episode: Episode) -> list[SweepResult]:
     """Return the failed records of the ordinary drives of a scene that could not be run."""
     names = [twin_id(episode.id)] if job.twins else []
     names += [demand_id(episode.id)] if job.demands else []
@@ -242,8 +244,8 @@ def failed_episode(job: Job, name: str, error: Exception) -> Episode:
     )
 
 
-def _guard(job: Job, name: str, work: Callable[[], Made]) -> Made | Episode:
-    """Return what `work` gives, or the failed record of an item."""
+def _guarded(job: Job, name: str, work: Callable[[], Work]) -> Work | Episode:
+    """Return the result of some work on an item, or the item's failed record."""
     try:
         return work()
     except MissingExtra:
@@ -279,29 +281,24 @@ def _run(job: Job, simulator: Simulator, scene: Scene) -> tuple[SweepResult, Sim
         changed = restaging.scene if restaging.scene is not scene else None
         return replace(result, restaged=changed, tried=restaging.tried), restaging.simulated
 
-    found = _guard(job, scene.id, run)
-    return (SweepResult(found), None) if isinstance(found, Episode) else found
+    outcome = _guarded(job, scene.id, run)
+    return (SweepResult(outcome), None) if isinstance(outcome, Episode) else outcome
 
 
 def _result(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) -> SweepResult:
     """Return the result of a run, with its pictures and files."""
     extra = _extra_files(job, simulator, scene, simulated)
     prefix = "whole-" if job.protocol == "paper" else ""
-    names = {one: "rear" if job.is_rear else f"{prefix}{one}" for one in simulated.frames}
-    frames = {
-        moment: to_jpeg(with_sensor_noise(frame, scene.id, "rear" if job.is_rear else moment).rgb)
-        for moment, frame in simulated.frames.items()
-    }
-    files = {moment: f"frames/{scene.id}/{names[moment]}.jpg" for moment in frames}
+    frames: dict[str, bytes] = {}
+    files: dict[str, str] = {}
+    for moment, frame in simulated.frames.items():
+        view = "rear" if job.is_rear else moment
+        frames[moment] = to_jpeg(with_sensor_noise(frame, scene.id, view).rgb)
+        files[moment] = f"frames/{scene.id}/{view if job.is_rear else prefix + moment}.jpg"
     written = extra | {files[moment]: data for moment, data in frames.items()}
-    named = {
-        "frames": files,
-        "files": tuple(sorted(extra)),
-        "file_sha256": {
-            name: hashlib.sha256(data).hexdigest() for name, data in sorted(written.items())
-        },
-    }
-    return SweepResult(simulated.episode.model_copy(update=named), frames, extra)
+    sha256 = {name: hashlib.sha256(data).hexdigest() for name, data in sorted(written.items())}
+    changes = {"frames": files, "files": tuple(sorted(extra)), "file_sha256": sha256}
+    return SweepResult(simulated.episode.model_copy(update=changes), frames, extra)
 
 
 def _improve(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated) -> Restaging:
@@ -309,18 +306,15 @@ def _improve(job: Job, simulator: Simulator, scene: Scene, simulated: Simulated)
     restaging = Restaging(scene, simulated)
     rerunner, claims = _rerunner(job, simulator), job.claims.get(scene.scenario_id, ())
     if restaging.simulated.episode.is_below_floor:
-        restaging = _after(
-            restaging, retime(restaging.scene, restaging.simulated, rerunner, claims)
-        )
+        restaging = retime(scene, simulated, rerunner, claims)
     if not restaging.simulated.episode.is_decidable:
-        restaging = _after(
-            restaging, restage(restaging.scene, restaging.simulated, rerunner, claims)
-        )
+        second = restage(restaging.scene, restaging.simulated, rerunner, claims)
+        restaging = _joined(restaging, second)
     return restaging
 
 
-def _after(first: Restaging, second: Restaging) -> Restaging:
-    """Return the second of two re-stagings, with what the first one tried and changed."""
+def _joined(first: Restaging, second: Restaging) -> Restaging:
+    """Return the second of two re-stagings, with the attempts and the change of the first."""
     change = first.simulated.episode.restaged
     if change and second.scene is not first.scene:
         second = second.described(f"{change}; {second.simulated.episode.restaged}")
@@ -342,9 +336,9 @@ def _extra_files(
     if job.outputs.annotations:
         for moment, frame in simulated.frames.items():
             state = simulated.state_of(moment)
-            notes = annotate(frame, state, scene, catalogue, job.camera)
+            annotations = annotate(frame, state, scene, catalogue, job.camera)
             classes = FrameAnnotations.semantic_map(frame, state, scene, catalogue, job.camera)
-            for name, data in notes.encoded(moment, frame, classes).items():
+            for name, data in annotations.encoded(moment, frame, classes).items():
                 files[f"frames/{scene.id}/{name}"] = data
     if job.outputs.video:
         action = next(iter(simulated.episode.safe_set), None)
@@ -361,10 +355,6 @@ def _extra_files(
             )
             files[f"videos/{scene.id}.mp4"] = path.read_bytes()
     return files
-
-
-NOISE = 2
-"""Largest change of a colour value by the sensor's noise, of 255."""
 
 
 def with_sensor_noise(frame: Frame, item: str, moment: str) -> Frame:
@@ -438,10 +428,10 @@ def _results_of(results: Any, chunk: Chunk) -> list[SweepResult]:
     instance_of("the result", results, list)
     for result in results:
         instance_of("each result", result, SweepResult)
-    found = {scene_of(result.episode.id) for result in results}
-    if found != {scene_of(scene.id) for scene in chunk}:
+    returned = {scene_of(result.episode.id) for result in results}
+    if returned != {scene_of(scene.id) for scene in chunk}:
         raise UsageError(
-            f"the executor returned the results of other scenes: {', '.join(sorted(found))}"
+            f"the executor returned the results of other scenes: {', '.join(sorted(returned))}"
         )
     return list(results)
 
@@ -454,7 +444,7 @@ def _recover(job: Job, scenes: Iterable[Scene]) -> Iterator[SweepResult]:
                 yield from pool.submit(run_chunk, job, (scene,)).result()
             except BrokenExecutor as error:
                 crash = SimulatorCrash(job.simulator, str(error), retryable=True)
-                dead = SweepResult(failed_episode(job, scene.id, crash))
-                yield dead
+                failed = SweepResult(failed_episode(job, scene.id, crash))
+                yield failed
                 if not scene.is_ordinary:
-                    yield from _lost(job, dead.episode)
+                    yield from _failed_drives(job, failed.episode)
