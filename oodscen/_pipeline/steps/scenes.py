@@ -6,8 +6,9 @@ from typing import Any
 
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context, failed
+from oodscen._pipeline.jobs import Job
 from oodscen._pipeline.steps.staged import SCENES, STAGED, Line, StagedScenes
-from oodscen._pipeline.sweep import Job, sweep
+from oodscen._pipeline.sweep import sweep
 from oodscen.data._base import digest
 from oodscen.data._claim import Claim
 from oodscen.data._episode import Episode, moments
