@@ -24,7 +24,8 @@ from statistics import median
 from tqdm import tqdm
 
 from oodscen import Augmenter, Describer, Pruner, RedTeamer, TreeGrower, make_llm, make_simulator
-from oodscen._pipeline.sweep import Job, sweep
+from oodscen._pipeline.jobs import Job
+from oodscen._pipeline.sweep import sweep
 from oodscen.data._episode import ACTIONS, MOMENTS
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
 from oodscen.driving._motion.actions import action_driver

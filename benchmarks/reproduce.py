@@ -17,7 +17,8 @@ from typing import Any
 from tqdm import tqdm
 
 from oodscen import Study
-from oodscen._pipeline.sweep import Job, SweepResult, sweep
+from oodscen._pipeline.jobs import Job, SweepResult
+from oodscen._pipeline.sweep import sweep
 from oodscen.data._episode import Episode
 from oodscen.data._pairing import kind_of
 from oodscen.data._scene import Scene

@@ -14,7 +14,8 @@ from oodscen import Metrics, StudyConfig, _entry_points
 from oodscen._cli import main
 from oodscen._members import working
 from oodscen._pipeline import Outputs, run_study
-from oodscen._pipeline.sweep import Job, run_chunk
+from oodscen._pipeline.jobs import Job
+from oodscen._pipeline.worker import run_chunk
 from oodscen._registry import make_catalogue, make_driver, make_encoder, make_llm, make_simulator
 from oodscen.encoders._check import encode
 from oodscen.errors import (

@@ -335,8 +335,8 @@ def simulate(
     stopped, and runs failed scenes again; a folder with a study or other results is refused.
     """
     from oodscen import Scene, make_simulator
+    from oodscen._pipeline.jobs import Job, Outputs
     from oodscen._pipeline.simulation import EPISODES, Simulation
-    from oodscen._pipeline.sweep import Job, Outputs
     from oodscen.study._store import Store
 
     refuse_inside(out)

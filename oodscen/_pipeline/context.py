@@ -53,11 +53,11 @@ class Context:
             UsageError: For an unknown component, a missing extra, or an unusable file of ordinary texts.
         """
         self.simulator = make_simulator(self.config.simulator)
-        asked = [name for name in self.config.vlms if is_asked(name)]
-        if asked and self.simulator.catalogue().camera == "top":
+        vlms = [name for name in self.config.vlms if is_asked(name)]
+        if vlms and self.simulator.catalogue().camera == "top":
             raise UsageError(
                 f"the simulator {self.config.simulator!r} draws views from above only, and models are asked about "
-                f"the view of a driver: leave out --vlm {asked[0]}, or choose another simulator"
+                f"the view of a driver: leave out --vlm {vlms[0]}, or choose another simulator"
             )
         self.compared = {name: make_catalogue(name) for name in self.config.compared}
         self.encoder = CachedEncoder(make_encoder(self.config.encoder))
@@ -120,9 +120,9 @@ class Context:
                 self.progress(stage, len(done), len(items))
         except BaseException:
             if not before.keys() <= done.keys():
-                kept = before | done
+                by_id = before | done
                 with suppress(StudyError):
-                    lines = [kept[name] for name in items if name in kept]
+                    lines = [by_id[name] for name in items if name in by_id]
                     self.store.write_lines(file, [*others, *lines])
             raise
         rows = [done[name] for name in items]

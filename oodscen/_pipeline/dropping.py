@@ -120,7 +120,7 @@ def _dropped_models(
 
 def _remaining(config: StudyConfig, dropped: Collection[str]) -> StudyConfig:
     """Return a configuration without the dropped models and the servers that only they use."""
-    asked = config.model_copy(update={"vlms": ()}).models
+    writers = config.model_copy(update={"vlms": ()}).models
     changes = {
         "vlms": tuple(name for name in config.vlms if name not in dropped),
         "withheld": tuple(
@@ -132,7 +132,7 @@ def _remaining(config: StudyConfig, dropped: Collection[str]) -> StudyConfig:
         "servers": {
             name: address
             for name, address in config.servers.items()
-            if name not in dropped or name in asked
+            if name not in dropped or name in writers
         },
     }
     return config.model_copy(update=changes)

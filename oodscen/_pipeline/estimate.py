@@ -75,16 +75,18 @@ def estimate(
             config.red_llm or config.llm,
             *filter(None, [config.fallback, config.recogniser]),
         }
-        asked = {name: _PricedAuthor(name, config.seed, prices) for name in names if is_asked(name)}
-        pipeline = Pipeline(folder, config, RunOptions(models=asked))
+        authors = {
+            name: _PricedAuthor(name, config.seed, prices) for name in names if is_asked(name)
+        }
+        pipeline = Pipeline(folder, config, RunOptions(models=authors))
         try:
             pipeline.prepare()
         except StudyMismatch as error:
             raise StudyMismatch(str(out), error.differences) from None
-        calls = Store(folder)
+        store = Store(folder)
         texts = pipeline.write_texts().scenarios
         scenes = pipeline.stage(texts)
-        lines = [line for line in calls.lines("calls.jsonl") if line["model"] in asked]
+        lines = [line for line in store.lines("calls.jsonl") if line["model"] in authors]
         if config.rarity_llm is not None and is_asked(config.rarity_llm):
             model = _PricedAuthor(config.rarity_llm, config.seed, prices)
             lines += [
@@ -92,11 +94,12 @@ def estimate(
                 for prompt in questions([text.text for text in texts])
                 for _ in range(DRAWS)
             ]
-        judged = {line["id"] for line in calls.lines("verdicts.jsonl")}
+        judged = {line["id"] for line in store.lines("verdicts.jsonl")}
         for name in filter(is_asked, config.vlms):
             model = _PricedAuthor(name, config.seed, prices)
             rows = {name: False}
-            rows |= {without_pictures(name): True} if name in config.withheld else {}
+            if name in config.withheld:
+                rows[without_pictures(name)] = True
             lines += [
                 model.line(request)
                 for row, is_withheld in rows.items()
@@ -159,10 +162,10 @@ class _PricedAuthor:
 
     def line(self, request: Request, stage: str = "evaluate") -> dict[str, Any]:
         """Return the call of a question with an answer of ordinary length."""
-        each = (
-            120 * len(request.prompt.texts) if isinstance(request.prompt, EstimateRarity) else 300
-        )
-        usage = self.usage(request, each)
+        characters = 300
+        if isinstance(request.prompt, EstimateRarity):
+            characters = 120 * len(request.prompt.texts)
+        usage = self.usage(request, characters)
         cacheable = round(cacheable_share(request) * usage.input_tokens)
         return {
             "stage": stage,
@@ -173,10 +176,10 @@ class _PricedAuthor:
         }
 
     def usage(self, request: Request, characters: int) -> Usage:
-        asked = sum(map(_tokens, request.messages))
-        answered = characters // CHARACTERS_PER_TOKEN
-        cost = self._price.of(asked, answered) if self._price else None
-        return Usage(input_tokens=asked, output_tokens=answered, cost_usd=cost)
+        input_tokens = sum(map(_tokens, request.messages))
+        output_tokens = characters // CHARACTERS_PER_TOKEN
+        cost = self._price.of(input_tokens, output_tokens) if self._price else None
+        return Usage(input_tokens=input_tokens, output_tokens=output_tokens, cost_usd=cost)
 
 
 def _tokens(message: Message) -> int:

@@ -68,26 +68,25 @@ class Models:
         Raises:
             UsageError: If two have one name, or a model has that of a reference.
         """
-        taken = dict.fromkeys(ALWAYS, "")
-        called = [
+        names = [
             (name, self.get(name).name)
             for name in self._config.vlms
             if is_asked(name) or not is_reference(self.get(name))
         ]
-        called += [
+        names += [
             (f"{name} without pictures", without_pictures(self.get(name).name))
             for name in self._config.withheld
             if name in self._config.vlms and not takes_cases(self.get(name))
         ]
-        called += [(name, person(name)) for name in self._config.people]
-        for name, its in called:
-            if its in taken:
-                other = f"of {taken[its]!r}" if taken[its] else "of a reference"
+        names += [(name, person(name)) for name in self._config.people]
+        owners = dict.fromkeys(ALWAYS, "a reference")
+        for name, verdict_name in names:
+            if verdict_name in owners:
                 raise UsageError(
-                    f"the answers of {name!r} would be kept under the name {its!r}, which is that {other}: give it "
-                    "another name, or take one of them out (oodscen evaluate --drop)"
+                    f"the answers of {name!r} would be kept under the name {verdict_name!r}, which is that of "
+                    f"{owners[verdict_name]}: give it another name, or take one of them out (oodscen evaluate --drop)"
                 )
-            taken[its] = name
+            owners[verdict_name] = repr(name)
 
     def _get(self, name: str, fallback: str | None) -> LLM:
         key = (name, fallback)
@@ -109,10 +108,9 @@ class Models:
         return RecordingLLM(logged, self._recorder, is_reading=not self._options.retry)
 
     def _make(self, name: str) -> LLM:
-        preset = self._options.models.get(name)
         try:
             return make_llm(
-                preset or name,
+                self._options.models.get(name) or name,
                 seed=self._config.seed,
                 api_base=self._config.servers.get(name, self._config.api_base),
                 limits=self.limits,

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 
-from oodscen._pipeline.sweep import Outputs
+from oodscen._pipeline.jobs import Outputs
 from oodscen._progress import Progress as Progress
 from oodscen._progress import silent
 from oodscen.llm._accounting import Ledger

@@ -99,7 +99,7 @@ class Pipeline:
             self._finish(counts, time.perf_counter() - began)
         except RunStopped as stop:
             self._save_stopped(str(stop))
-            self._report()
+            write_report(self.study)
             raise
         except Exception as error:
             with suppress(OodscenError):  # The first error is the cause.
@@ -150,6 +150,7 @@ class Pipeline:
         with run.timed("evaluate"):
             verdicts = evaluate(run, episodes, scenarios, scenes)
         leaves = texts.simulatable.leaves
+        finished = [episode for episode in episodes if episode.status == "ok"]
         return {
             "nodes": {
                 "initial": len(texts.initial),
@@ -158,12 +159,12 @@ class Pipeline:
             },
             "paths": len(leaves),
             "attested": sum(leaf.attested == "paper" for leaf in leaves),
-            "texts": {str(size): len(chosen) for size, chosen in texts.sets.items()},
+            "texts": {str(size): len(scenarios) for size, scenarios in texts.sets.items()},
             "scenarios": len(scenarios),
             "scenes": len(scenes),
-            "episodes": sum(e.status == "ok" and not e.is_ordinary for e in episodes),
-            "twins": sum(e.status == "ok" and e.is_twin for e in episodes),
-            "demands": sum(e.status == "ok" and kind_of(e.id) == "demand" for e in episodes),
+            "episodes": sum(not episode.is_ordinary for episode in finished),
+            "twins": sum(episode.is_twin for episode in finished),
+            "demands": sum(kind_of(episode.id) == "demand" for episode in finished),
             "restaged": sum(bool(episode.restaged) for episode in episodes),
             "hazards_visible": sum(episode.hazard_visible is True for episode in episodes),
             "below_floor": sum(episode.is_below_floor for episode in episodes),
@@ -191,16 +192,13 @@ class Pipeline:
     def _save(self, status: Status, **more: Any) -> None:
         """Write `study.json`; earlier counts stay until new ones replace them."""
         if self.store.has("study.json"):
-            before = self.study.info
-            more = {name: before[name] for name in _LASTING if name in before} | more
+            info = self.study.info
+            more = {name: info[name] for name in _LASTING if name in info} | more
         more["camera"] = self.context.simulator.catalogue().camera
         self.store.write("study.json", canonical_json(record(self.config, status, **more)) + "\n")
 
-    def _save_stopped(self, why: str) -> None:
-        self._save("stopped", stopped=redact(why), usage=self._usage())
-
-    def _report(self) -> None:
-        write_report(self.study)
+    def _save_stopped(self, reason: str) -> None:
+        self._save("stopped", stopped=redact(reason), usage=self._usage())
 
     def _finish(self, counts: Mapping[str, Any], seconds: float) -> None:
         failures = self._failures()
@@ -212,27 +210,29 @@ class Pipeline:
             usage=self._usage(),
             seconds=self._times({**self.context.seconds, "total": seconds}),
         )
-        self._report()
+        write_report(self.study)
 
     def _failures(self) -> dict[str, int]:
         """Return the number of failed items of every table, and of what was asked for beside their lines."""
-        found = {
-            name: len(self.study.failures(name))
-            for name in ("redteam", "pruned", "scenarios", "scenes", "episodes", "verdicts")
+        counts = {
+            table: len(self.study.failures(table))
+            for table in ("redteam", "pruned", "scenarios", "scenes", "episodes", "verdicts")
         }
-        files = {"texts": text_files(self.config)[1:], "assets": [ASSETS], "motions": [MOTIONS]}
-        for name, named in files.items():
-            if any(map(self.store.holds, named)):
-                lines = [line for file in named for line in self.store.lines(file)]
-                found[name] = sum(line.get("status") == "failed" for line in lines)
+        others = {"texts": text_files(self.config)[1:], "assets": [ASSETS], "motions": [MOTIONS]}
+        for table, files in others.items():
+            if any(map(self.store.holds, files)):
+                lines = [line for file in files for line in self.store.lines(file)]
+                counts[table] = sum(line.get("status") == "failed" for line in lines)
         if has_twins(self.config):
-            found["ordinary"] = len(without_twin(self.store, self.config))
+            counts["ordinary"] = len(without_twin(self.store, self.config))
         if self.context.rarity_llm is not None:
-            found["rarity"] = unanswered(self.study)
-        return found
+            counts["rarity"] = unanswered(self.study)
+        return counts
 
-    def _times(self, now: Mapping[str, float]) -> dict[str, float]:
+    def _times(self, run_s: Mapping[str, float]) -> dict[str, float]:
         """Return the seconds of all runs that this study has taken, by stage."""
-        before = self.study.info.get("seconds", {})
-        names = [*before, *(name for name in now if name not in before)]
-        return {name: round(before.get(name, 0.0) + now.get(name, 0.0), 3) for name in names}
+        earlier_s = self.study.info.get("seconds", {})
+        return {
+            stage: round(earlier_s.get(stage, 0.0) + run_s.get(stage, 0.0), 3)
+            for stage in {**earlier_s, **run_s}
+        }

@@ -6,9 +6,10 @@ from pathlib import Path
 
 from oodscen._arguments import checked
 from oodscen._numbers import whole_number
+from oodscen._pipeline.jobs import Outputs
 from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.pipeline import Pipeline
-from oodscen._pipeline.sweep import Outputs, check_workers
+from oodscen._pipeline.sweep import check_workers
 from oodscen._progress import Progress, reporting
 from oodscen.llm._accounting import Ledger
 from oodscen.llm._remote.limits import Limits

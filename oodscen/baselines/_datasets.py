@@ -17,34 +17,21 @@ withheld answer, an object without a description, the unused columns of a short 
 """
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Any, Literal, get_args
 
 from oodscen._json import parse_json
+from oodscen.baselines._dataset_texts import DatasetText, TextsAndIssues, texts_of
+from oodscen.baselines._drivelm import read_drivelm
 from oodscen.baselines._reading import CsvTable, read_csv, repeated
-from oodscen.baselines._texts import fault_of
 from oodscen.errors import Issue, UnknownComponent, UsageError
 
 LayoutName = Literal["drivelm", "nuscenes", "talk2car", "bdd-x", "cityflow-nl"]
 
 _NOT_COMMERCIAL = "CC-BY-NC-SA-4.0"
-_TAG = re.compile(r"(?:\b(?:the|an?) )?(?:\bobjects? )?(<c\d+,[^<>]*>)", re.IGNORECASE)
-_DETERMINER = re.compile(r"(?:an?|the|some|two|many)(?=\s)", re.IGNORECASE)
 _BDD_X = ("Input.Video", "Answer.1action")
 _BDD_X_TEXT = re.compile(r"(Answer\.\d+)(?:action|justification)")
-_STAGES = ("perception", "prediction", "planning", "behavior")
-
-
-class DatasetText(NamedTuple):
-    """One text of a data set."""
-
-    kind: str
-    """The kind of text: `scene`, `qa`, `command` ..."""
-    text: str
-
-
-TextsAndIssues = Iterator[DatasetText | Issue]
 
 
 @dataclass(frozen=True)
@@ -135,85 +122,6 @@ def _recognise_json(document: Any) -> LayoutName | None:
     return None
 
 
-# ---------------------------------------------------------------- DriveLM
-
-
-def _drivelm(document: Any) -> TextsAndIssues:
-    """Read `{scene token: {scene_description, key_frames: {frame token: {key_object_infos, QA}}}}`.
-
-    `QA` holds lists of `{"Q": ..., "A": ...}` under perception, prediction, planning and behavior.
-    Texts refer to an object by a tag such as `<c1,CAM_FRONT,1043.2,82.2>`; the object's description
-    replaces it, or "the object" if the file has none.
-    """
-    for token, scene in _members(document, "", "scene"):
-        if isinstance(scene, Issue):
-            yield scene
-            continue
-        place = f"{token}.scene_description"
-        yield from _texts("scene", scene.get("scene_description"), place)
-        for frame, content in _members(scene.get("key_frames"), f"{token}.key_frames", "frame"):
-            yield from (content,) if isinstance(content, Issue) else _frame(content, frame)
-
-
-def _frame(frame: Mapping[str, Any], where: str) -> TextsAndIssues:
-    names: dict[str, str] = {}
-    place = f"{where}.key_object_infos"
-    for tag, info in _members(frame.get("key_object_infos", {}), place, "object"):
-        if isinstance(info, Issue):
-            yield info
-            continue
-        for part in _texts("object", info.get("Visual_description"), f"{tag}.Visual_description"):
-            yield part
-            if isinstance(part, DatasetText):
-                names[tag.removeprefix(f"{place}.")] = _as_name(part.text)
-    stages = frame.get("QA", {})
-    if not isinstance(stages, dict):
-        yield Issue(f"{where}.QA", f"is {type(stages).__name__}, not an object")
-        return
-    for stage in stages:
-        if stage not in _STAGES:
-            yield Issue(f"{where}.QA.{stage}", f"is none of {', '.join(_STAGES)}")
-    for stage in _STAGES:
-        yield from _questions(stages.get(stage, []), f"{where}.QA.{stage}", names)
-
-
-def _questions(items: Any, where: str, names: Mapping[str, str]) -> TextsAndIssues:
-    if not isinstance(items, list):
-        yield Issue(where, f"is {type(items).__name__}, not a list of questions")
-        return
-    for index, item in enumerate(items):
-        place = f"{where}[{index}]"
-        if not isinstance(item, dict) or not {"Q", "A"} <= item.keys():
-            yield Issue(place, "is not an object with 'Q' and 'A'")
-            continue
-        said = []
-        for kind, key in (("question", "Q"), ("answer", "A")):
-            for part in _texts(kind, item[key], f"{place}.{key}"):
-                if isinstance(part, DatasetText):
-                    part = part._replace(text=_named(part.text, names))
-                    said.append(part.text)
-                yield part
-        if said:
-            yield DatasetText("qa", " ".join(said))
-
-
-def _named(text: str, names: Mapping[str, str]) -> str:
-    named = _TAG.sub(lambda match: names.get(match[1], "the object"), text)
-    return named[0].upper() + named[1:]
-
-
-def _as_name(looks: str) -> str:
-    looks = looks.rstrip(". ") or "object"
-    if _DETERMINER.match(looks):
-        return _DETERMINER.sub(lambda match: match[0].lower(), looks, count=1)
-    if looks[1:2].islower():
-        looks = looks[0].lower() + looks[1:]
-    return f"the {looks}"
-
-
-# ---------------------------------------------------------------- other data sets
-
-
 def _nuscenes(document: Any) -> TextsAndIssues:
     """Read `[{token, name, description, log_token, nbr_samples, ...}]`."""
     if not isinstance(document, list):
@@ -223,7 +131,7 @@ def _nuscenes(document: Any) -> TextsAndIssues:
         if not isinstance(scene, dict) or "description" not in scene:
             yield Issue(f"[{index}]", "is not a scene with a 'description'")
         else:
-            yield from _texts("scene", scene["description"], f"[{index}].description")
+            yield from texts_of("scene", scene["description"], f"[{index}].description")
 
 
 def _talk2car(document: Any) -> TextsAndIssues:
@@ -236,7 +144,7 @@ def _talk2car(document: Any) -> TextsAndIssues:
         if not isinstance(item, dict) or "command" not in item:
             yield Issue(f"commands[{index}]", "has no 'command'")
         else:
-            yield from _texts("command", item["command"], f"commands[{index}].command")
+            yield from texts_of("command", item["command"], f"commands[{index}].command")
 
 
 def _bdd_x_table(table: CsvTable) -> CsvTable | Issue:
@@ -258,25 +166,27 @@ def _bdd_x(table: CsvTable) -> TextsAndIssues:
             yield row
             continue
         for column in dict.fromkeys(columns):
-            said = {}
+            cells = {}
             for kind in ("action", "justification"):
                 cell = f"{column}{kind}"
-                for part in _texts(kind, row.fields.get(cell), f"line {row.line}, {cell}"):
-                    yield part
-                    if isinstance(part, DatasetText):
-                        said[kind] = part.text
-            if "action" in said:
-                yield DatasetText("sentence", _joined(said["action"], said.get("justification")))
+                for item in texts_of(kind, row.fields.get(cell), f"line {row.line}, {cell}"):
+                    yield item
+                    if isinstance(item, DatasetText):
+                        cells[kind] = item.text
+            if "action" in cells:
+                yield DatasetText("sentence", _joined(cells["action"], cells.get("justification")))
 
 
-def _joined(action: str, reason: str | None) -> str:
+def _joined(action: str, justification: str | None) -> str:
     """Join "The car stops" and "because the light is red.", or two whole sentences."""
-    if reason is None:
+    if justification is None:
         return action
-    if reason[0].islower():
-        return f"{action.rstrip('.!? ')} {reason}"
+    if justification[0].islower():
+        return f"{action.rstrip('.!? ')} {justification}"
     action = action.rstrip(". ")
-    return f"{action} {reason}" if action.endswith(("!", "?")) else f"{action}. {reason}"
+    return (
+        f"{action} {justification}" if action.endswith(("!", "?")) else f"{action}. {justification}"
+    )
 
 
 def _cityflow(document: Any) -> TextsAndIssues:
@@ -297,36 +207,12 @@ def _cityflow(document: Any) -> TextsAndIssues:
                 yield Issue(f"{track}.{field}", f"is {type(texts).__name__}, not a list of texts")
                 continue
             for index, text in enumerate(texts):
-                yield from _texts(kind, text, f"{track}.{field}[{index}]")
-
-
-def _members(value: Any, where: str, what: str) -> Iterator[tuple[str, dict[str, Any] | Issue]]:
-    """Yield the members of an object that are objects too, each with its place, or an issue."""
-    if not isinstance(value, dict):
-        found = "missing" if value is None else f"{type(value).__name__}, not an object"
-        yield where, Issue(where, f"is {found}")
-        return
-    for name, content in value.items():
-        place = f"{where}.{name}".removeprefix(".")
-        if isinstance(content, dict):
-            yield place, content
-        else:
-            yield place, Issue(place, f"is {type(content).__name__}, not a {what}")
-
-
-def _texts(kind: str, value: Any, where: str) -> TextsAndIssues:
-    """Yield one text, or nothing if it is empty."""
-    if value is None or (isinstance(value, str) and not value.strip()):
-        return
-    if fault := fault_of(value):
-        yield Issue(where, fault)
-    else:
-        yield DatasetText(kind, " ".join(value.split()))
+                yield from texts_of(kind, text, f"{track}.{field}[{index}]")
 
 
 LAYOUTS: dict[str, FileLayout] = {
     "drivelm": FileLayout(
-        "DriveLM", _NOT_COMMERCIAL, ("scene", "qa"), ("question", "answer", "object"), _drivelm
+        "DriveLM", _NOT_COMMERCIAL, ("scene", "qa"), ("question", "answer", "object"), read_drivelm
     ),
     "nuscenes": FileLayout("nuScenes", _NOT_COMMERCIAL, ("scene",), (), _nuscenes),
     "talk2car": FileLayout("Talk2Car", _NOT_COMMERCIAL, ("command",), (), _talk2car),

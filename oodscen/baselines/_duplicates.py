@@ -20,6 +20,7 @@ from oodscen.encoders._similarity import unit
 from oodscen.errors import DataError, Issue, UsageError
 
 _BLOCK = 512
+"""Number of rows that are compared with as many others at once."""
 
 Product = Callable[[slice, slice], NDArray[np.float32]]
 """Returns the similarities of one block of rows to another."""
@@ -84,6 +85,7 @@ def near_duplicates(
 def _report(
     size: int, product: Product, threshold: float, measure: Literal["cosine", "trigrams"]
 ) -> NearDuplicates:
+    """Compare every row with all earlier ones, block by block."""
     best, nearest = np.full(size, -np.inf, np.float32), np.zeros(size, np.int64)
     for first in range(0, size, _BLOCK):
         rows = slice(first, min(first + _BLOCK, size))
@@ -92,11 +94,11 @@ def _report(
             values = product(rows, columns)
             if start == first:
                 values = np.where(np.tri(len(values), k=-1, dtype=bool), values, -np.inf)
-            place = values.argmax(axis=1)
-            value = np.take_along_axis(values, place[:, None], axis=1)[:, 0]
-            better = value > best[rows]
-            nearest[rows] = np.where(better, place + start, nearest[rows])
-            best[rows] = np.where(better, value, best[rows])
+            column = values.argmax(axis=1)
+            value = np.take_along_axis(values, column[:, None], axis=1)[:, 0]
+            is_better = value > best[rows]
+            nearest[rows] = np.where(is_better, column + start, nearest[rows])
+            best[rows] = np.where(is_better, value, best[rows])
     repeated = np.flatnonzero(best >= threshold - _ROUNDING)
     return NearDuplicates(
         found=tuple(
@@ -131,13 +133,13 @@ def _jaccard(texts: Sequence[str]) -> Product:
         np.array(sorted({vocabulary.setdefault(gram, len(vocabulary)) for gram in _grams(text)}))
         for text in texts
     ]
-    sizes = np.array([len(own) for own in grams], np.float32)
+    sizes = np.array([len(text_grams) for text_grams in grams], np.float32)
 
     def incidence(rows: slice) -> NDArray[np.float32]:
-        found = np.zeros((rows.stop - rows.start, len(vocabulary)), np.float32)
-        for row, own in enumerate(grams[rows]):
-            found[row, own] = 1.0
-        return found
+        matrix = np.zeros((rows.stop - rows.start, len(vocabulary)), np.float32)
+        for row, text_grams in enumerate(grams[rows]):
+            matrix[row, text_grams] = 1.0
+        return matrix
 
     def product(rows: slice, columns: slice) -> NDArray[np.float32]:
         shared = incidence(rows) @ incidence(columns).T
@@ -148,4 +150,4 @@ def _jaccard(texts: Sequence[str]) -> Product:
 
 def _grams(text: str) -> set[str]:
     letters = f" {bare(text) or text.strip()} "
-    return {letters[place : place + 3] for place in range(len(letters) - 2)}
+    return {letters[start : start + 3] for start in range(len(letters) - 2)}

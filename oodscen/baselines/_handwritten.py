@@ -44,12 +44,12 @@ def handwritten_driving() -> Baseline:
 @cache
 def by_subject() -> Mapping[str, tuple[str, ...]]:
     """Return the hand-written texts by subject, which a line `# subject` begins; in the order of the files."""
-    found: dict[str, list[str]] = {}
+    texts: dict[str, list[str]] = {}
     for name in _FILES:
         subject = ""
         for line in bundled(name).splitlines():
             if line.startswith("# "):
                 subject = line[2:]
             elif line:
-                found.setdefault(subject, []).append(line)
-    return MappingProxyType({subject: tuple(texts) for subject, texts in found.items()})
+                texts.setdefault(subject, []).append(line)
+    return MappingProxyType({subject: tuple(lines) for subject, lines in texts.items()})

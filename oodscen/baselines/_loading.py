@@ -34,8 +34,8 @@ def load_baseline(
 ) -> Baseline:
     """Read a baseline from a file of your own, or from one of a public driving data set.
 
-    Without a path it is the bundled one. Your own files (`plain`): lines, JSON lines with `text`, a JSON list, or CSV or TSV with a
-    column `text`. Data sets, as they are distributed: DriveLM, nuScenes, Talk2Car, BDD-X and
+    Without a path it is the bundled one. Your own files (`plain`): lines, JSON lines with `text`, a JSON list, or
+    CSV or TSV with a column `text`. Data sets, as they are distributed: DriveLM, nuScenes, Talk2Car, BDD-X and
     CityFlow-NL; see `oodscen.baselines._datasets` for their files, texts and licences.
 
     Equal texts are kept unless `distinct`: a text that occurs often is as ordinary as one that
@@ -61,18 +61,22 @@ def load_baseline(
             raise UsageError(f"layout {layout!r} is that of a file: give its path")
         return _bundled(parts)
     file = Path(path)
-    found = _dataset(file, layout)
-    if found is None and parts is not None:
+    recognised = _dataset(file, layout)
+    if recognised is not None:
+        dataset, document = recognised
+        texts = _dataset_texts(dataset, document, parts, str(path))
+        source = f"{dataset.title}, {file.name}"
+        licence = licence or dataset.licence
+    elif parts is not None:
         raise UsageError(f"{file.name} is a plain file of texts, and has no parts")
-    if found is None:
-        origin, texts = None, [record.text for record in read_records(path, Baseline.noun)]
     else:
-        origin, texts = found[0], _texts(*found, parts, str(path))
+        texts = [record.text for record in read_records(path, Baseline.noun)]
+        source = file.name
     return Baseline(
         texts=tuple(dict.fromkeys(texts) if distinct else texts),
         name=name or file.name,
-        source=f"{origin.title}, {file.name}" if origin else file.name,
-        licence=licence or (origin.licence if origin else ""),
+        source=source,
+        licence=licence,
     )
 
 
@@ -90,21 +94,21 @@ def _dataset(file: Path, layout: str) -> tuple[FileLayout, Any] | None:
         return None
     if layout == "auto":
         return recognise(read_utf8(file, Baseline.noun), file.suffix.lower())
-    chosen = layout_of(layout)
-    return chosen, parse(read_utf8(file, Baseline.noun), chosen)
+    dataset = layout_of(layout)
+    return dataset, parse(read_utf8(file, Baseline.noun), dataset)
 
 
-def _texts(
+def _dataset_texts(
     layout: FileLayout, document: Any, parts: Sequence[str] | None, source: str
 ) -> list[str]:
     kinds = layout.default_parts if parts is None else chosen_parts(layout, tuple(parts))
     issues: list[Issue] = []
     texts: list[str] = []
-    for found in [document] if isinstance(document, Issue) else layout.read(document):
-        if isinstance(found, Issue):
-            issues.append(found)
-        elif found.kind in kinds:
-            texts.append(found.text)
+    for item in [document] if isinstance(document, Issue) else layout.read(document):
+        if isinstance(item, Issue):
+            issues.append(item)
+        elif item.kind in kinds:
+            texts.append(item.text)
     if not texts and not issues:
         issues.append(Issue("", f"holds none of these texts of {layout.title}: {', '.join(kinds)}"))
     refuse(Baseline.noun, issues, source=source)

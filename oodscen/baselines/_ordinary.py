@@ -21,6 +21,7 @@ from oodscen.baselines._texts import bundled
 from oodscen.errors import UsageError
 
 _SIZE = 2000
+"""Number of texts of the bundled baseline that are drawn."""
 _STYLES = {
     "caption": ("captions", 0.34),
     "ego": ("ego", 0.24),
@@ -61,16 +62,18 @@ def draw(size: int, *, seed: int = 0) -> tuple[str, ...]:
     """
     rules = _rules()
     draws = stream(seed, "ordinary-driving")
-    situations = [item for item in rules["situation"] for _ in range(item.get("repeat", 1))]
-    found: dict[str, str] = {}
+    situations = [
+        situation for situation in rules["situation"] for _ in range(situation.get("repeat", 1))
+    ]
+    texts: dict[str, str] = {}
     for turn in range(20 * size):
-        if len(found) == size:
+        if len(texts) == size:
             break
         text = _Text(rules, situations[turn % len(situations)], draws).write()
-        found.setdefault(bare(text), text)
-    if len(found) < size:
-        raise UsageError(f"the grammar gave {len(found)} distinct texts, not {size}")
-    return tuple(found.values())
+        texts.setdefault(bare(text), text)
+    if len(texts) < size:
+        raise UsageError(f"the grammar gave {len(texts)} distinct texts, not {size}")
+    return tuple(texts.values())
 
 
 def bare(text: str) -> str:
@@ -142,6 +145,7 @@ class _Text:
         return self._pick(self._situation[kind])
 
     def _pick(self, entries: Sequence[str]) -> str:
+        """Return an entry that is not used yet, with its slots filled."""
         entry = self._choose([entry for entry in entries if entry not in self._used] or entries)
         self._used.add(entry)
         return _SLOT.sub(self._fill, entry)
@@ -184,17 +188,17 @@ def _translated(text: str, words: Mapping[str, str]) -> str:
     longest_first = sorted(words, key=lambda word: (-len(word), word))
     pattern = re.compile(rf"\b({'|'.join(map(re.escape, longest_first))})\b", re.IGNORECASE)
 
-    def other(match: re.Match[str]) -> str:
+    def translation(match: re.Match[str]) -> str:
         word = words.get(match[0]) or words[_uncapital(match[0])]
         return word[0].upper() + word[1:] if match[0][0].isupper() else word
 
-    return pattern.sub(other, text)
+    return pattern.sub(translation, text)
 
 
 def _edited(text: str) -> str:
     """Return the text with the articles and capitals that suit the words filled in."""
-    text = _ARTICLE.sub(lambda m: m[1] + ("n " if _VOWEL.match(m[2]) else " "), text)
-    text = _SENTENCE.sub(lambda m: m[0].upper(), text)
+    text = _ARTICLE.sub(lambda match: match[1] + ("n " if _VOWEL.match(match[2]) else " "), text)
+    text = _SENTENCE.sub(lambda match: match[0].upper(), text)
     # Ego without an article is a name, so it is capitalised.
     return re.sub(r"(?<!the )(?<!The )\bego\b", "Ego", text)
 

@@ -59,8 +59,8 @@ def read_records(path: str | Path, noun: str = "text file") -> list[Record]:
     """Return the texts in a file.
 
     The suffix tells the form: CSV or TSV with a column `text`; JSON lines (`.jsonl`: strings, or objects
-    with `text`); JSON (a list of the same). In other files the beginning does: JSON, or plain lines. Objects and rows may have
-    `path`, `leaf` or `group`. Blank lines are skipped, and white space around a text is dropped.
+    with `text`); JSON (a list of the same). In other files the beginning does: JSON, or plain lines. Objects and
+    rows may have `path`, `leaf` or `group`. Blank lines are skipped, and white space around a text is dropped.
 
     Raises:
         DataError: If the file cannot be read or decoded, or holds no text; otherwise with one issue per
@@ -70,11 +70,11 @@ def read_records(path: str | Path, noun: str = "text file") -> list[Record]:
     issues: list[Issue] = []
     records: list[Record] = []
     for value in _values(content, Path(path).suffix.lower()):
-        found = value if isinstance(value, Issue) else _record(*value)
-        if isinstance(found, Issue):
-            issues.append(found)
+        record = value if isinstance(value, Issue) else _record(*value)
+        if isinstance(record, Issue):
+            issues.append(record)
         else:
-            records.append(found)
+            records.append(record)
     if not records and not issues:
         issues.append(Issue("", "holds no text"))
     refuse(noun, issues, source=str(path))
@@ -241,13 +241,13 @@ def _group(where: str, fields: Mapping[str, Any]) -> str | Issue | None:
         value = fields.get(name)
         if value is None:
             continue
-        given = value if isinstance(value, list) else [value]
-        for label in given:
+        values = value if isinstance(value, list) else [value]
+        for label in values:
             if isinstance(label, bool) or not isinstance(label, str | int):
                 return Issue(where, f"`{name}` holds {type(label).__name__}, not a text")
-        labels = [str(label).strip() for label in given]
+        labels = [str(label).strip() for label in values]
+        if all(labels) and labels:
+            return " / ".join(labels)
         if any(labels):
-            return (
-                " / ".join(labels) if all(labels) else Issue(where, f"`{name}` holds a blank label")
-            )
+            return Issue(where, f"`{name}` holds a blank label")
     return None

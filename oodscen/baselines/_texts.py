@@ -29,11 +29,6 @@ def bundled_records(kind: type[Bundled], name: str) -> tuple[Bundled, ...]:
     return tuple(kind.parse(line, source=name) for line in lines)
 
 
-def _is_flat(texts: object) -> bool:
-    """Return whether texts have one dimension, as lists have."""
-    return getattr(texts, "ndim", 1) == 1
-
-
 def check_texts(texts: Sequence[str | Scenario], noun: str = "text set") -> tuple[str, ...]:
     """Return the texts as strings, after checking that none is blank.
 
@@ -43,19 +38,16 @@ def check_texts(texts: Sequence[str | Scenario], noun: str = "text set") -> tupl
     """
     if isinstance(texts, str | bytes):
         raise DataError(noun, [Issue("", "is one string, not a sequence of texts")])
-    if (
-        not isinstance(texts, Iterable)
-        or isinstance(texts, Iterator | Mapping | Set)
-        or not _is_flat(texts)
-    ):
+    is_ordered = isinstance(texts, Iterable) and not isinstance(texts, Iterator | Mapping | Set)
+    if not is_ordered or getattr(texts, "ndim", 1) != 1:
         fault = f"is {type(texts).__name__}, not a sequence of texts"
         raise DataError(noun, [Issue("", fault)])
-    plain = [item.text if isinstance(item, Scenario) else item for item in texts]
-    faults = enumerate(map(fault_of, plain))
+    strings = [item.text if isinstance(item, Scenario) else item for item in texts]
+    faults = enumerate(map(fault_of, strings))
     refuse(noun, [Issue(f"[{index}]", fault) for index, fault in faults if fault])
-    if not plain:
+    if not strings:
         raise DataError(noun, [Issue("", "holds no text")])
-    return tuple(plain)
+    return tuple(strings)
 
 
 def fault_of(text: object) -> str:
@@ -77,9 +69,9 @@ def fault_of(text: object) -> str:
 
 def refuse(noun: str, issues: Iterable[Issue], *, source: str = "") -> None:
     """Raise a `DataError` if there are issues; a long list is cut after the first ones."""
-    found = list(issues)
-    if len(found) > _MOST_ISSUES:
-        rest = len(found) - _MOST_ISSUES
-        found = [*found[:_MOST_ISSUES], Issue("", f"and {rest} more like these")]
-    if found:
-        raise DataError(noun, found, source=source)
+    issues = list(issues)
+    if len(issues) > _MOST_ISSUES:
+        rest = len(issues) - _MOST_ISSUES
+        issues = [*issues[:_MOST_ISSUES], Issue("", f"and {rest} more like these")]
+    if issues:
+        raise DataError(noun, issues, source=source)

@@ -121,13 +121,13 @@ class Augmenter(Brief):
         instance_of("scenario", scenario, Scenario)
         with reporting(progress) as report_progress:
             report_progress("augment", 0, 2)
-            known = self.read(scenario) if claims is None else tuple(claims)
+            claims = self.read(scenario) if claims is None else tuple(claims)
             report_progress("augment", 1, 2)
-            scene = self._staged(scenario, known)
+            scene = self._stage(scenario, claims)
             report_progress("augment", 2, 2)
         return scene
 
-    def _staged(self, scenario: Scenario, claims: tuple[Claim, ...]) -> Scene:
+    def _stage(self, scenario: Scenario, claims: tuple[Claim, ...]) -> Scene:
         prompt = StageScene(
             text=scenario.text,
             path=scenario.path,
@@ -180,11 +180,11 @@ class Augmenter(Brief):
         faults = self.check(scene, self.catalogue)
         if faults or not claims:
             return faults
-        found = mismatches(check_claims(claims, scene, self.catalogue, likeness=self._likeness))
-        return _together(found, scene)
+        checks = check_claims(claims, scene, self.catalogue, likeness=self._likeness)
+        return _issues_by_cause(mismatches(checks), scene)
 
 
-def _together(contradicted: Sequence[Mismatch], scene: Scene) -> list[Issue]:
+def _issues_by_cause(contradicted: Sequence[Mismatch], scene: Scene) -> list[Issue]:
     """Return one issue per cause: claims about one thing that fail for the same reason are one."""
     causes: dict[tuple[str, str, str], list[Mismatch]] = {}
     for mismatch in contradicted:
@@ -193,7 +193,9 @@ def _together(contradicted: Sequence[Mismatch], scene: Scene) -> list[Issue]:
         )
     issues: list[Issue] = []
     for (path, subject, found), group in causes.items():
-        statements = "; ".join(str(one.claim).removeprefix(f"{subject}: ") for one in group)
+        statements = "; ".join(
+            str(mismatch.claim).removeprefix(f"{subject}: ") for mismatch in group
+        )
         about = f"{subject}: " if subject else ""
         hint = ""
         if subject and path == "actors" and subject not in scene.stands_for:
@@ -216,8 +218,8 @@ def scene_of_draft(
     The scene carries the designs of those things and motions made to order that it shows.
     """
     ordinary = [actor for actor in draft.hazard.actors.values() if actor is not None]
-    shown = {actor.asset for actor in (*draft.actors, *ordinary)}
-    done = {actor.behaviour.name for actor in (*draft.actors, *ordinary)}
+    assets = {actor.asset for actor in (*draft.actors, *ordinary)}
+    behaviours = {actor.behaviour.name for actor in (*draft.actors, *ordinary)}
     return Scene(
         id=scenario.id,
         scenario_id=scenario.id,
@@ -243,10 +245,10 @@ def scene_of_draft(
         stands_for={
             thing: tuple(names)
             for thing, names in draft.stands_for.items()
-            if not _is_told_by_words(thing, names, draft, catalogue)
+            if not _noun_suffices(thing, names, draft, catalogue)
         },
-        made=tuple(prop for prop in made if prop.id in shown),
-        motions=tuple(motion for motion in motions if motion.id in done),
+        made=tuple(prop for prop in made if prop.id in assets),
+        motions=tuple(motion for motion in motions if motion.id in behaviours),
         map_state=draft.map_state,
     )
 
@@ -260,11 +262,11 @@ def _decision_of(draft: SceneDraft) -> Trigger:
     return decision.model_copy(update={"actor": first})
 
 
-def _is_told_by_words(
+def _noun_suffices(
     thing: str, names: Sequence[str], draft: SceneDraft, catalogue: Catalogue
 ) -> bool:
     """Return whether the noun of a thing alone leads to the actors that show it."""
-    known = {asset.id: asset for asset in catalogue.assets}
-    assets = {actor.id: known.get(actor.asset) for actor in draft.actors}
-    shown = [assets.get(name) for name in names]
-    return all(asset is not None and may_be(thing, asset) for asset in shown)
+    by_id = {asset.id: asset for asset in catalogue.assets}
+    by_actor = {actor.id: by_id.get(actor.asset) for actor in draft.actors}
+    assets = [by_actor.get(name) for name in names]
+    return all(asset is not None and may_be(thing, asset) for asset in assets)

@@ -24,6 +24,7 @@ Colour = tuple[int, int, int]
 SIZE = 480
 """Default side of a picture, pixels."""
 _SPAN_M = 72.0
+"""Default side of the ground that a picture shows, m."""
 _AHEAD = 0.72
 """Share of a bird's-eye view that lies ahead of the ego."""
 _GRASS: Colour = (108, 132, 92)
@@ -41,15 +42,19 @@ _HAZARD: Colour = (232, 176, 74)
 _HIT: Colour = (240, 110, 84)
 _OTHER: Colour = (186, 191, 197)
 """Colours of bodies: those of the report's views from above in its dark theme."""
-_CAPTION = 30
+_CAPTION_PX = 30
 """Height of the band under the caption, pixels."""
+_LEAST_M = 1.2
+"""Least length and width at which a body is drawn, m."""
+_FRACTION_BITS = 4
+"""Bits of OpenCV's fixed-point coordinates that are fractions of pixels."""
 
 
-class _Map:
+class _Section:
     """A map section in image coordinates, with the ego heading upwards."""
 
-    def __init__(self, ego: PlacedBody, size: int, span: float) -> None:
-        self.size, self.scale = size, size / span
+    def __init__(self, ego: PlacedBody, size: int, span_m: float) -> None:
+        self.size, self.scale = size, size / span_m
         self.x, self.y = ego.solid.x, ego.solid.y
         self.cos, self.sin = math.cos(ego.solid.yaw), math.sin(ego.solid.yaw)
 
@@ -60,7 +65,8 @@ class _Map:
         columns = 0.5 * self.size - aside * self.scale
         rows = _AHEAD * self.size - along * self.scale
         points = np.stack([columns, rows], axis=1)
-        return np.rint(np.clip(points, -9e3, 9e3) * 16.0).astype(np.int32)
+        scale = float(1 << _FRACTION_BITS)
+        return np.rint(np.clip(points, -9e3, 9e3) * scale).astype(np.int32)
 
 
 @checked
@@ -81,29 +87,34 @@ def birds_eye(
     corridor = load_corridor(scene.map, catalogue)
     picture = np.empty((size, size, 3), np.uint8)
     picture[:] = _GRASS
-    ground = _Map(cast[0], size, span_m)
+    section = _Section(cast[0], size, span_m)
     for other in corridor.others:
-        _road(cv2, picture, ground, other.corridor, span_m, has_marks=not other.is_connecting)
-    _road(cv2, picture, ground, corridor, span_m)
+        _draw_road(cv2, picture, section, other.corridor, span_m, has_marks=not other.is_connecting)
+    _draw_road(cv2, picture, section, corridor, span_m)
     for outline in corridor.crosswalks:
-        points = ground.pixels(outline.points[:, 0], outline.points[:, 1])
-        cv2.fillPoly(picture, [points], _MARK, cv2.LINE_AA, 4)
-    rows = sorted(range(1, len(cast)), key=lambda row: -cast[row].solid.length)
-    for row in [*rows, 0]:
-        body = cast[row]
-        is_rare = body.id in scene.hazard.actors
-        colour = _EGO if row == 0 else _HAZARD if is_rare else _OTHER
-        colour = _HIT if body.id in state.contacts else colour
-        _body(cv2, picture, ground, body, colour, colour if is_rare else _OUTLINE)
-    where = f"{state.time:5.2f} s   {3.6 * float(state.speeds[0]):3.0f} km/h"
-    if state.contacts:
-        where += f"   touches {', '.join(state.contacts)}"
-    elif state.off_road:
-        where += "   off the road"
-    picture[-_CAPTION:] = _OUTLINE
-    place, font = (10, size - 10), cv2.FONT_HERSHEY_SIMPLEX
-    cv2.putText(picture, where, place, font, 0.5, (255, 255, 255), 1, cv2.LINE_AA)
+        points = section.pixels(outline.points[:, 0], outline.points[:, 1])
+        cv2.fillPoly(picture, [points], _MARK, cv2.LINE_AA, _FRACTION_BITS)
+    ego, *others = cast
+    for body in [*sorted(others, key=lambda body: -body.solid.length), ego]:
+        is_hazard = body.id in scene.hazard.actors
+        colour = _EGO if body is ego else _OTHER
+        if is_hazard:
+            colour = _HAZARD
+        if body.id in state.contacts:
+            colour = _HIT
+        _draw_body(cv2, picture, section, body, colour, colour if is_hazard else _OUTLINE)
+    picture[-_CAPTION_PX:] = _OUTLINE
+    corner, font = (10, size - 10), cv2.FONT_HERSHEY_SIMPLEX
+    cv2.putText(picture, _caption(state), corner, font, 0.5, (255, 255, 255), 1, cv2.LINE_AA)
     return picture.view(BirdsEye)
+
+
+def _caption(state: State) -> str:
+    """Return time and speed, and what has gone wrong."""
+    caption = f"{state.time:5.2f} s   {3.6 * float(state.speeds[0]):3.0f} km/h"
+    if state.contacts:
+        return f"{caption}   touches {', '.join(state.contacts)}"
+    return f"{caption}   off the road" if state.off_road else caption
 
 
 class BirdsEye(np.ndarray[Any, np.dtype[np.uint8]]):
@@ -116,18 +127,24 @@ class BirdsEye(np.ndarray[Any, np.dtype[np.uint8]]):
         return png(self)
 
 
-def _road(
-    cv2: Any, picture: Image, ground: _Map, road: Corridor, span: float, *, has_marks: bool = True
+def _draw_road(
+    cv2: Any,
+    picture: Image,
+    section: _Section,
+    road: Corridor,
+    span_m: float,
+    *,
+    has_marks: bool = True,
 ) -> None:
     """Draw a road's strips and, if `has_marks`, its lane marks outside junctions."""
-    near = (road.x - ground.x) ** 2 + (road.y - ground.y) ** 2 < (1.5 * span) ** 2
+    near = (road.x - section.x) ** 2 + (road.y - section.y) ** 2 < (1.5 * span_m) ** 2
     if not near.any():
         return
     for part in _runs(near):
         lines = []
         for strip in road.strips:
             edges = [
-                ground.pixels(
+                section.pixels(
                     road.x[part] - side[part] * road.sin[part],
                     road.y[part] + side[part] * road.cos[part],
                 )
@@ -135,7 +152,7 @@ def _road(
             ]
             if strip.kind in _GROUND:
                 outline = np.concatenate([edges[0], edges[1][::-1]])
-                cv2.fillPoly(picture, [outline], _GROUND[strip.kind], cv2.LINE_AA, 4)
+                cv2.fillPoly(picture, [outline], _GROUND[strip.kind], cv2.LINE_AA, _FRACTION_BITS)
             if strip.mark in ("solid", "broken") and has_marks:
                 exists = strip.left[part] - strip.right[part] > 0.5
                 if len(road.in_junction) == len(road.s):
@@ -144,43 +161,36 @@ def _road(
                     along = road.s[part]
                     exists &= along - 9.0 * np.floor(along / 9.0) < 3.0
                 lines += [edges[1][run] for run in _runs(exists)]
-        cv2.polylines(picture, [line for line in lines if len(line) > 1], False, _MARK, 1, 16, 4)
+        marks = [line for line in lines if len(line) > 1]
+        cv2.polylines(picture, marks, False, _MARK, 1, cv2.LINE_AA, _FRACTION_BITS)
 
 
 def _runs(holds: NDArray[np.bool_]) -> Sequence[slice]:
     """Return the runs of true values as slices."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], holds, [False]]).astype(np.int8)))
-    return [slice(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
+    return [slice(int(start), int(end)) for start, end in edges.reshape(-1, 2)]
 
 
-def _body(
-    cv2: Any, picture: Image, ground: _Map, body: PlacedBody, colour: Colour, edge: Colour
+def _draw_body(
+    cv2: Any, picture: Image, section: _Section, body: PlacedBody, colour: Colour, edge: Colour
 ) -> None:
     """Draw a footprint with an arrow-head at its front; small bodies are enlarged."""
-    upright_box = body.solid
-    least = 1.2
-    half_length, half_width = (
-        0.5 * max(upright_box.length, least),
-        0.5 * max(upright_box.width, least),
-    )
-    cos, sin = math.cos(upright_box.yaw), math.sin(upright_box.yaw)
+    solid = body.solid
+    front, left = 0.5 * max(solid.length, _LEAST_M), 0.5 * max(solid.width, _LEAST_M)
+    cos, sin = math.cos(solid.yaw), math.sin(solid.yaw)
 
-    def points(places: Sequence[tuple[float, float]]) -> NDArray[np.int32]:
-        x = np.array([upright_box.x + a * cos - b * sin for a, b in places])
-        y = np.array([upright_box.y + a * sin + b * cos for a, b in places])
-        return ground.pixels(x, y)
+    def pixels(points: Sequence[tuple[float, float]]) -> NDArray[np.int32]:
+        x = np.array([solid.x + ahead * cos - aside * sin for ahead, aside in points])
+        y = np.array([solid.y + ahead * sin + aside * cos for ahead, aside in points])
+        return section.pixels(x, y)
 
-    corners = [(1, 1), (1, -1), (-1, -1), (-1, 1)]
-    box = points([(a * half_length, b * half_width) for a, b in corners])
-    cv2.fillPoly(picture, [box], colour, cv2.LINE_AA, 4)
-    cv2.polylines(picture, [box], True, edge, 1 if edge == _OUTLINE else 2, cv2.LINE_AA, 4)
-    if upright_box.length >= least:
-        tip = [
-            (half_length, 0.0),
-            (0.4 * half_length, half_width),
-            (0.4 * half_length, -half_width),
-        ]
-        cv2.fillPoly(picture, [points(tip)], _OUTLINE, cv2.LINE_AA, 4)
+    box = pixels([(front, left), (front, -left), (-front, -left), (-front, left)])
+    width = 1 if edge == _OUTLINE else 2
+    cv2.fillPoly(picture, [box], colour, cv2.LINE_AA, _FRACTION_BITS)
+    cv2.polylines(picture, [box], True, edge, width, cv2.LINE_AA, _FRACTION_BITS)
+    if solid.length >= _LEAST_M:
+        tip = pixels([(front, 0.0), (0.4 * front, left), (0.4 * front, -left)])
+        cv2.fillPoly(picture, [tip], _OUTLINE, cv2.LINE_AA, _FRACTION_BITS)
 
 
 def opencv() -> Any:

@@ -94,10 +94,10 @@ class Describer(Brief):
             threads=self.options.threads,
         )
         with reporting(progress) as report_progress:
-            found = dict(counted(written, "describe", len(paths), report_progress))
-        scenarios = [scenario for leaf in paths for scenario in found[leaf]]
-        again = {scenario.id: scenario for scenario in self.reworded(scenarios)}
-        return [again.get(scenario.id, scenario) for scenario in scenarios]
+            by_leaf = dict(counted(written, "describe", len(paths), report_progress))
+        scenarios = [scenario for leaf in paths for scenario in by_leaf[leaf]]
+        reworded = {scenario.id: scenario for scenario in self.reworded(scenarios)}
+        return [reworded.get(scenario.id, scenario) for scenario in scenarios]
 
     @checked
     def path(self, leaf: str, path: Sequence[str], count: int) -> list[Scenario]:
@@ -107,23 +107,23 @@ class Describer(Brief):
             LLMError: When the model fails.
             UsageError: When too few candidates lie inside the band.
         """
-        path, count = tuple(path), whole_number("count", count)
+        path, count = tuple(path), whole_number("count", count, 1)
         texts, is_dry = self._draw(path, count * self.options.candidates, avoid=())
         for _ in range(self.options.redraws):
             unfit = self._near_duplicates(texts) | self._off_topic(texts)
             if not unfit:
                 break
-            kept = [text for index, text in enumerate(texts) if index not in unfit]
+            fit = [text for index, text in enumerate(texts) if index not in unfit]
             if is_dry:
-                texts = kept or texts[:1]
+                texts = fit or texts[:1]
                 break
             fresh, is_dry = self._draw(path, len(unfit), avoid=texts)
-            texts = kept + fresh or texts[:1]
+            texts = fit + fresh or texts[:1]
         count = min(count, len(texts))
         if self.metrics is not None and self.options.is_selective:
             low, high = self.options.band or (-np.inf, np.inf)
             selected = self.metrics.select(texts, count, low=low, high=high)
-            texts = [texts[place] for place in sorted(selected.indices)]
+            texts = [texts[index] for index in sorted(selected.indices)]
         return [
             self._scenario(f"{leaf}-{number:03d}", text, leaf, path)
             for number, text in enumerate(texts, start=1)
@@ -138,22 +138,22 @@ class Describer(Brief):
         Raises:
             LLMError: When the model fails.
         """
-        items = list(scenarios)
-        taken = {folded_words(item.text) for item in items}
-        seen: set[str] = set()
-        again = []
-        for item in items:
-            words = folded_words(item.text)
-            if words in seen:
-                own = [other.text for other in items if other.leaf == item.leaf]
-                fresh, _ = self._draw(item.path, 1, avoid=own, taken=taken)
+        scenarios = list(scenarios)
+        taken = {folded_words(scenario.text) for scenario in scenarios}
+        earlier: set[str] = set()
+        reworded = []
+        for scenario in scenarios:
+            words = folded_words(scenario.text)
+            if words in earlier:
+                same_leaf = [other.text for other in scenarios if other.leaf == scenario.leaf]
+                fresh, _ = self._draw(scenario.path, 1, avoid=same_leaf, taken=taken)
                 if not fresh:
                     continue
-                again.append(self._scenario(item.id, fresh[0], item.leaf, item.path))
+                reworded.append(self._scenario(scenario.id, fresh[0], scenario.leaf, scenario.path))
                 words = folded_words(fresh[0])
                 taken.add(words)
-            seen.add(words)
-        return again
+            earlier.add(words)
+        return reworded
 
     @checked
     def ordinary(self, scenario: Scenario) -> str:
@@ -193,20 +193,19 @@ class Describer(Brief):
         refused: list[str] = []
         while len(texts) < count:
             wanted = min(self.options.batch, count - len(texts))
-            earlier = (*avoid, *texts, *refused)
             prompt = DescribePath(
                 path=path,
                 count=wanted,
-                avoid=earlier,
+                avoid=(*avoid, *texts, *refused),
                 style=self.options.style,
                 catalogue=self.catalogue,
                 made=self.made.get(path, ()),
             )
-            found = ask(self.llm, prompt, sample=self.options.sample).texts
-            for text in found:
-                kept = refused if folded_words(text) in taken else texts
-                kept.append(one_line(text))
-            if len(found) < wanted:
+            answer = ask(self.llm, prompt, sample=self.options.sample).texts
+            for text in answer:
+                is_taken = folded_words(text) in taken
+                (refused if is_taken else texts).append(one_line(text))
+            if len(answer) < wanted:
                 return texts, True
         return texts, False
 

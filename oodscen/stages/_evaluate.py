@@ -40,6 +40,15 @@ KEPT_DESCRIPTION = 6_000
 """Maximum length of a description that is stored and shown to the model again, in characters."""
 
 
+_DESCRIPTION_READER = AnswerReader(
+    DescribeFrame.purpose,
+    read_description,
+    lambda raw, text: FrameDescription(description=text),
+    "the description, in words",
+    lambda answer: {"description": answer.description[:KEPT_DESCRIPTION]},
+)
+
+
 @checked
 def evaluate(
     episode: Episode,
@@ -110,6 +119,21 @@ def evaluate(
     return score_answers(key, answers, judge)
 
 
+def answers_of_reference(reference: Any, case: Case, protocol: Protocol) -> GivenAnswers:
+    """Return the answers of an answerer that takes cases."""
+    answers = reference.judge(case)
+    fields: dict[str, Any] = {
+        "is_ood": answers.is_ood,
+        "aspect": answers.aspect,
+        "confidence": answers.confidence,
+        "action": answers.action,
+    }
+    if case.options:
+        fields["choice"] = answers.choice
+    kind = kind_of_answerer(reference)
+    return GivenAnswers(reference.name, fields, protocol=protocol, kind=kind)
+
+
 def unjudged_verdict(
     episode: Episode,
     model: LLM,
@@ -134,9 +158,6 @@ def unjudged_verdict(
         protocol=protocol,
         is_ordinary=episode.is_ordinary,
     )
-
-
-# ------------------------------------------------------------------ asking
 
 
 @dataclass
@@ -208,32 +229,7 @@ class _Interview:
             question = DescribeFrame(
                 frames=shown.images[:count], descriptions=tuple(descriptions), total=max(3, total)
             )
-            descriptions.append(self.put(question, _DESCRIBING).get("description", NO_DESCRIPTION))
+            descriptions.append(
+                self.put(question, _DESCRIPTION_READER).get("description", NO_DESCRIPTION)
+            )
         return tuple(descriptions)
-
-
-_DESCRIBING = AnswerReader(
-    DescribeFrame.purpose,
-    read_description,
-    lambda raw, text: FrameDescription(description=text),
-    "the description, in words",
-    lambda answer: {"description": answer.description[:KEPT_DESCRIPTION]},
-)
-
-
-# ------------------------------------------------------------------ references
-
-
-def answers_of_reference(reference: Any, case: Case, protocol: Protocol) -> GivenAnswers:
-    """Return the answers of an answerer that takes cases."""
-    answers = reference.judge(case)
-    fields: dict[str, Any] = {
-        "is_ood": answers.is_ood,
-        "aspect": answers.aspect,
-        "confidence": answers.confidence,
-        "action": answers.action,
-    }
-    if case.options:
-        fields["choice"] = answers.choice
-    kind = kind_of_answerer(reference)
-    return GivenAnswers(reference.name, fields, protocol=protocol, kind=kind)

@@ -59,11 +59,12 @@ class TreeGrower(Brief):
             examples = tuple(ask(self.llm, give, sample).examples)
             report_progress("grow", 1, 3)
             classify = ClassifyExamples(asked=give, given=examples)
-            sorted_ = sorted(ask(self.llm, classify, sample).examples, key=lambda item: item.number)
+            classified = ask(self.llm, classify, sample).examples
+            by_number = sorted(classified, key=lambda example: example.number)
             report_progress("grow", 2, 3)
             propose = ProposeTree(
                 asked=classify,
-                classes=tuple(item.scenario_class for item in sorted_),
+                classes=tuple(example.scenario_class for example in by_number),
                 nodes=self.nodes,
             )
             proposed = ask(self.llm, propose, sample)
@@ -72,7 +73,7 @@ class TreeGrower(Brief):
 
 
 def _initial_tree(
-    proposed: ProposedTree, given: Sequence[str], *, model: str, prompt: str
+    proposed: ProposedTree, examples: Sequence[str], *, model: str, prompt: str
 ) -> ScenarioTree:
     """Return the tree, with ids, of the numbered list in an answer."""
     tree = ScenarioTree()
@@ -95,7 +96,7 @@ def _initial_tree(
             label=label,
             attested=attestation(label),
             stage="grow",
-            source=one_line(given[node.example - 1]) if node.example is not None else "",
+            source=one_line(examples[node.example - 1]) if node.example is not None else "",
             model=model,
             prompt=prompt,
         )

@@ -15,9 +15,13 @@ _INSIDE_M = 1.4
 _SLOW = 0.6
 """Share of the ego's speed below which others are slow."""
 _ALONG_DEG, _TOWARDS_DEG = 45.0, 135.0
+"""Headings up to which a walker moves the ego's way, and from which against it, degrees."""
+_LONGEST = 120
+"""Largest number of characters of a description."""
 _LOW_DEG = 12.0
 """Sun elevation below which the sun stands low, degrees."""
 _SLIPPERY = 0.5
+"""Friction below which ice or water can be seen."""
 
 _PARTS: dict[MapPart, str] = {
     "street_lamps": "street lamps",
@@ -33,7 +37,7 @@ _FAULTS = {
     "missing": "missing",
 }
 """States of the map's own things, in words."""
-_SHOWN = {
+_STATES = {
     "hazard": "with its hazard lights on",
     "beacon": "with its beacon flashing",
     "unlit": "without lights",
@@ -49,7 +53,8 @@ _SHOWN = {
     "open": "open",
     "half": "stuck half-way",
 }
-_SIGNALS = frozenset(
+"""States of actors, in words."""
+_SIGNAL_STATES = frozenset(
     {"off", "all_on", "flashing", "red", "amber", "green", "closed", "open", "half"}
 )
 
@@ -67,21 +72,22 @@ def visible_of(
 
     `motions` has the looks of motions made to order, by id.
     """
-    known = {asset.id: asset for asset in catalogue.assets}
+    assets = {asset.id: asset for asset in catalogue.assets}
     kinds = catalogue.details or DetailKinds()
     lanes = next((road.lanes for road in catalogue.maps if road.id == map_id), 1)
     visibles = [
         Visible(
-            what=_bare(_described(actor, known, kinds)),
+            what=_without_article(_described(actor, assets, kinds)),
             where=_where(actor, ego.lane, lanes),
-            doing=_doing(actor, known[actor.asset], ego.speed, kinds, motions),
+            doing=_doing(actor, assets[actor.asset], ego.speed, kinds, motions),
         )
         for actor in actors
-        if actor.id in hazard.actors and actor.asset in known
+        if actor.id in hazard.actors and actor.asset in assets
     ]
     if hazard.weather is not None:
         visibles += [
-            Visible(what=what, where="everywhere") for what in _sky(weather, hazard.weather)
+            Visible(what=phenomenon, where="everywhere")
+            for phenomenon in _phenomena(weather, hazard.weather)
         ]
     return tuple(dict.fromkeys(visibles))
 
@@ -96,71 +102,80 @@ def visible_of_map(state: MapState | None) -> tuple[Visible, ...]:
     )
 
 
-def _bare(description: str) -> str:
-    """Return a description without its article."""
+def _without_article(description: str) -> str:
     first, _, rest = description.partition(" ")
-    return rest[:120] if first in ("a", "an", "the") and rest else description[:120]
+    if first in ("a", "an", "the") and rest:
+        return rest[:_LONGEST]
+    return description[:_LONGEST]
 
 
-def _described(actor: Actor, known: Mapping[str, Asset], kinds: DetailKinds) -> str:
+def _described(actor: Actor, assets: Mapping[str, Asset], kinds: DetailKinds) -> str:
     """Return an asset's description, with the details other than its pose."""
-    description = known[actor.asset].description
+    description = assets[actor.asset].description
     if actor.details is None:
         return description
-    return described(description, actor.details.model_copy(update={"pose": ""}), known, kinds)
+    return described(description, actor.details.model_copy(update={"pose": ""}), assets, kinds)
 
 
 def _where(actor: Actor, ego_lane: int, lanes: int) -> str:
-    place = actor.placement
-    if place.ahead_m < 0.0:
+    placement = actor.placement
+    if placement.ahead_m < 0.0:
         return "behind the ego vehicle"
-    if place.lane == 0 and abs(place.offset_m) > _INSIDE_M:
-        return f"beside the ego's lane on the {'left' if place.offset_m > 0.0 else 'right'}"
-    if place.lane == 0:
+    if placement.lane == 0 and abs(placement.offset_m) > _INSIDE_M:
+        return f"beside the ego's lane on the {'left' if placement.offset_m > 0.0 else 'right'}"
+    if placement.lane == 0:
         return "in the ego's lane"
-    if place.lane > 0 and ego_lane + place.lane >= lanes:
+    if placement.lane > 0 and ego_lane + placement.lane >= lanes:
         return "in the oncoming lane"
-    return f"in a lane to the {'left' if place.lane > 0 else 'right'}"
+    return f"in a lane to the {'left' if placement.lane > 0 else 'right'}"
 
 
 def _doing(
     actor: Actor, asset: Asset, ego_speed: float, kinds: DetailKinds, motions: Mapping[str, str]
 ) -> str:
-    name, heading = actor.behaviour.name, actor.placement.heading_deg
-    shown = _SHOWN.get(actor.state, "")
-    if actor.state in _SIGNALS and asset.category in ("signal", "work_zone"):
-        return shown
-    if name == "follow_lane":
-        speed = actor.behaviour.parameters.get("speed", ego_speed)
-        moves = "driving slowly ahead" if speed < _SLOW * ego_speed else BUILT_IN[name].doing
-        moves = BUILT_IN["stand"].doing if speed == 0.0 else moves
-    elif name == "walk_along" and abs(heading) < _ALONG_DEG:
-        moves = "moving the same way"
-    elif name == "walk_along" and abs(heading) > _TOWARDS_DEG:
-        moves = "coming towards the ego vehicle"
-    elif name not in BUILT_IN:
-        moves = motions.get(name, "moving")
-    else:
-        moves = BUILT_IN[name].doing
-        if BUILT_IN[name].has_side:
-            moves += f" from the {'right' if math.sin(math.radians(heading)) > 0.0 else 'left'}"
+    """Return what an actor does, in which pose and with which lights."""
+    state = _STATES.get(actor.state, "")
+    if actor.state in _SIGNAL_STATES and asset.category in ("signal", "work_zone"):
+        return state
+    movement = _movement(actor, ego_speed, motions)
     pose = kinds.pose(actor.details.pose) if actor.details else None
     if pose is not None:
-        moves = pose.doing if name == "stand" else f"{moves}, {pose.doing}"
-    return f"{moves} {shown}".strip()[:120]
+        is_standing = actor.behaviour.name == "stand"
+        movement = pose.doing if is_standing else f"{movement}, {pose.doing}"
+    return f"{movement} {state}".strip()[:_LONGEST]
 
 
-def _sky(weather: Weather, ordinary: Weather) -> list[str]:
-    """Return what can be seen of unusual weather."""
-    found = []
+def _movement(actor: Actor, ego_speed: float, motions: Mapping[str, str]) -> str:
+    name, heading_deg = actor.behaviour.name, actor.placement.heading_deg
+    if name not in BUILT_IN:
+        return motions.get(name, "moving")
+    if name == "follow_lane":
+        speed = actor.behaviour.parameters.get("speed", ego_speed)
+        if speed == 0.0:
+            return BUILT_IN["stand"].doing
+        if speed < _SLOW * ego_speed:
+            return "driving slowly ahead"
+    if name == "walk_along" and abs(heading_deg) < _ALONG_DEG:
+        return "moving the same way"
+    if name == "walk_along" and abs(heading_deg) > _TOWARDS_DEG:
+        return "coming towards the ego vehicle"
+    if BUILT_IN[name].has_side:
+        side = "right" if math.sin(math.radians(heading_deg)) > 0.0 else "left"
+        return f"{BUILT_IN[name].doing} from the {side}"
+    return BUILT_IN[name].doing
+
+
+def _phenomena(weather: Weather, ordinary: Weather) -> list[str]:
+    """Return everything that can be seen of unusual weather."""
+    phenomena = []
     if weather.fog_visual_range_m < min(FOG_M, ordinary.fog_visual_range_m):
-        found.append("fog")
+        phenomena.append("fog")
     if weather.precipitation_mm_h > ordinary.precipitation_mm_h:
-        found.append(f"heavy {weather.precipitation}")
+        phenomena.append(f"heavy {weather.precipitation}")
     if weather.sun_elevation_deg < DARK_DEG < ordinary.sun_elevation_deg:
-        found.append("darkness")
+        phenomena.append("darkness")
     elif weather.sun_elevation_deg < _LOW_DEG < ordinary.sun_elevation_deg:
-        found.append("low sun")
+        phenomena.append("low sun")
     if weather.friction < min(_SLIPPERY, ordinary.friction):
-        found.append("ice or water on the road")
-    return found or ["unusual weather"]
+        phenomena.append("ice or water on the road")
+    return phenomena or ["unusual weather"]

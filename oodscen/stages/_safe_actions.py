@@ -1,6 +1,7 @@
 """Safe actions from a decision on, found by rollouts with drivers who react sooner or later."""
 
 import hashlib
+import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Self
 
@@ -42,7 +43,7 @@ class Trials(NamedTuple):
             UsageError: If there is none, or one is negative or longer than `LONGEST_REACTION_S`.
         """
         ordered = sorted(set(reactions))
-        if not ordered or not all(0.0 <= one <= LONGEST_REACTION_S for one in ordered):
+        if not ordered or not all(0.0 <= time <= LONGEST_REACTION_S for time in ordered):
             raise UsageError(
                 f"reaction: give one or more times from 0 to {LONGEST_REACTION_S:g} s, not {reactions!r}"
             )
@@ -58,7 +59,7 @@ class Trials(NamedTuple):
         return cls(middle, tuple(variation for variation in grid if variation != Variation(middle)))
 
     def other_variations(self, action: str, passed: bool) -> Iterator[Variation]:
-        """Yield the other variations of an action, those first whose outcome most likely differs from the middle driver's.
+        """Yield the other variations of an action, those first whose outcome most likely differs.
 
         An ego that keeps the speed has nothing to react to.
         """
@@ -94,42 +95,41 @@ class Rollouts:
 
     def outcome(self, action: str) -> tuple[ActionOutcome, Trace | None, bool]:
         """Return the outcome and trace of an action, and whether the approach was the same as before."""
-        first, same = self._rewind()
+        first, is_same = self._rewind()
         observation = self.simulator.observe()
         if not is_available(action, observation):
-            return ActionOutcome(safe=False, unavailable=True), None, same
+            return ActionOutcome(safe=False, unavailable=True), None, is_same
         states = self._execute(action, self.trials.middle, observation)
         trace = Trace.from_states([first, *states], self.course)
         ran_red = self._ran_red([first, *states])
         outcome = judge_outcome(states, trace, self.trials.collisions_only, ran_red=ran_red)
-        passed = {outcome.safe}
+        fates = {outcome.safe}
         for variation in self.trials.other_variations(action, outcome.safe):
-            if len(passed) > 1:
+            if len(fates) > 1:
                 break
             if self.rehearse is None and variation != Variation(variation.reaction_s):
                 continue
-            fate, again = self._passes(action, variation)
-            same &= again
-            passed.add(fate)
-        if len(passed) > 1:
+            passes, is_same_again = self._passes(action, variation)
+            is_same &= is_same_again
+            fates.add(passes)
+        if len(fates) > 1:
             outcome = outcome.model_copy(update={"safe": False, "marginal": True})
-        return outcome, trace, same
+        return outcome, trace, is_same
 
     def _passes(self, action: str, variation: Variation) -> tuple[bool, bool]:
         """Return whether a driver passes, and whether the approach was the same as before."""
-        first, same = self._rewind()
+        first, is_same = self._rewind()
         if self.rehearse is not None:
-            seconds = self.scene.horizon_s
-            passed = self.rehearse(action, seconds, **variation._asdict())
-            if not isinstance(passed, bool | np.bool_):
+            passes = self.rehearse(action, self.scene.horizon_s, **variation._asdict())
+            if not isinstance(passes, bool | np.bool_):
                 raise SimulatorError(
-                    f"{self.simulator.name}: rehearse() returned {said(passed, 80)}, not True or False"
+                    f"{self.simulator.name}: rehearse() returned {said(passes, 80)}, not True or False"
                 )
-            return bool(passed), same
+            return bool(passes), is_same
         states = self._execute(action, variation.reaction_s, self.simulator.observe())
         last = states[-1]
-        passed = not last.contacts and (self.trials.collisions_only or not last.off_road)
-        return passed and not self._ran_red([first, *states]), same
+        stays_clear = not last.contacts and (self.trials.collisions_only or not last.off_road)
+        return stays_clear and not self._ran_red([first, *states]), is_same
 
     def _ran_red(self, states: Sequence[State]) -> bool:
         """Return whether the ego passes the stop line while the light is red."""
@@ -148,6 +148,7 @@ class Rollouts:
         return states
 
     def _rewind(self) -> tuple[State, bool]:
+        """Return to the decision; return its state, and whether the approach was the same as before."""
         if self.restore is not None and self.snapshot is not None:
             return self.restore(self.snapshot), True
         states = [self.simulator.reset(self.scene, self.seed)]
@@ -158,13 +159,11 @@ class Rollouts:
 def runs_red(states: Sequence[State], line: StopLine, course: Course) -> bool:
     """Return whether the ego's front passes a stop line in consecutive states while the light is red."""
     road, reach = course.corridor, 0.5 * float(course.sizes[0, 0])
-    at = road.start + line.ahead_m - reach
-    times = [
-        state.time if road.locate(*state.poses[0, :2].tolist())[0] > at else None
-        for state in states
-    ]
-    passed = next((time for time in times if time is not None), None)
-    return times[0] is None and passed is not None and passed >= line.red_from_s
+    line_s = road.start + line.ahead_m - reach
+    is_beyond = [road.locate(*state.poses[0, :2].tolist())[0] > line_s for state in states]
+    if is_beyond[0] or not any(is_beyond):
+        return False
+    return states[is_beyond.index(True)].time >= line.red_from_s
 
 
 def judge_outcome(
@@ -173,17 +172,18 @@ def judge_outcome(
     """Return the outcome of an action, with margins from the first step on."""
     last = states[-1]
     margin = min(float(state.gaps[1:].min(initial=np.inf)) for state in states)
-    met = trace.summary().values()
+    encounters = trace.summary().values()
+    times_to_collision_s = [
+        encounter.min_ttc_s for encounter in encounters if encounter.min_ttc_s is not None
+    ]
+    encroachment_times_s = [
+        encounter.pet_s for encounter in encounters if encounter.pet_s is not None
+    ]
     return ActionOutcome(
         safe=not last.contacts and (collisions_only or not last.off_road) and not ran_red,
-        margin_m=None if margin == float("inf") else _millimetres(margin),
-        min_ttc_s=min(
-            (encounter.min_ttc_s for encounter in met if encounter.min_ttc_s is not None),
-            default=None,
-        ),
-        pet_s=min(
-            (encounter.pet_s for encounter in met if encounter.pet_s is not None), default=None
-        ),
+        margin_m=None if math.isinf(margin) else _millimetres(margin),
+        min_ttc_s=min(times_to_collision_s, default=None),
+        pet_s=min(encroachment_times_s, default=None),
         contacts=last.contacts,
         off_road=last.off_road,
         ran_red=ran_red,

@@ -23,7 +23,7 @@ from oodscen.driving._motion.triggers import MAX_APPROACH_S, ROUNDING_S, is_due
 from oodscen.driving._roads.building import load_corridor
 from oodscen.errors import OodscenError, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Driver, Simulator, State, camera_for
-from oodscen.stages._birds_eye import SIZE, Image, birds_eye, opencv
+from oodscen.stages._birds_eye import Image, birds_eye, opencv
 from oodscen.stages._steering import Steering, own_camera
 
 View = Literal["ego", "bird", "both"]
@@ -53,7 +53,7 @@ class Video:
         self.count = 0
         self._cv2 = opencv()
         self._writer: Any = None
-        self._place: TemporaryDirectory[str] | None = None
+        self._folder: TemporaryDirectory[str] | None = None
 
     def add(self, picture: Image) -> None:
         """Append one frame; all must have the size of the first.
@@ -63,10 +63,10 @@ class Video:
         """
         height, width = picture.shape[:2]
         if self._writer is None:
-            self._place = temporary_folder()
+            self._folder = temporary_folder()
             code = self._cv2.VideoWriter_fourcc(*"mp4v")
-            part = str(self._part(self._place))
-            self._writer = self._cv2.VideoWriter(part, code, self.fps, (width, height))
+            unfinished = str(self._unfinished(self._folder))
+            self._writer = self._cv2.VideoWriter(unfinished, code, self.fps, (width, height))
             if not self._writer.isOpened():
                 raise OodscenError(f"{self.path}: OpenCV cannot write this video")
         self._writer.write(np.ascontiguousarray(picture[..., ::-1]))
@@ -78,23 +78,23 @@ class Video:
         Raises:
             OodscenError: When the file cannot be written.
         """
-        place = self._released()
-        if place is None:
+        folder = self._release()
+        if folder is None:
             return
-        with place:
+        with folder:
             if self.count:
                 with writing(self.path):
-                    write_named(self.path, read_bytes(self._part(place)))
+                    write_named(self.path, read_bytes(self._unfinished(folder)))
 
-    def _part(self, place: TemporaryDirectory[str]) -> Path:
-        return Path(place.name, f"video{self.path.suffix}")
+    def _unfinished(self, folder: TemporaryDirectory[str]) -> Path:
+        return Path(folder.name, f"video{self.path.suffix}")
 
-    def _released(self) -> TemporaryDirectory[str] | None:
+    def _release(self) -> TemporaryDirectory[str] | None:
         """Return the folder of the unfinished file, which OpenCV then no longer writes."""
         if self._writer is not None:
             self._writer.release()
-        place, self._writer, self._place = self._place, None, None
-        return place
+        folder, self._writer, self._folder = self._folder, None, None
+        return folder
 
     def __enter__(self) -> Self:
         return self
@@ -102,8 +102,8 @@ class Video:
     def __exit__(self, *error: object) -> None:
         if error[0] is None:
             self.close()
-        elif (place := self._released()) is not None:
-            place.cleanup()
+        elif (folder := self._release()) is not None:
+            folder.cleanup()
 
 
 @checked
@@ -122,18 +122,18 @@ def record(
     """Run a scene and write a video of it; `Scene.record` tells arguments and errors."""
     if view not in VIEWS:
         raise UnknownComponent("view", view, VIEWS)
-    now: Driver = Cruise()
-    later: Driver | None = None
+    first: Driver = Cruise()
+    after_decision: Driver | None = None
     if isinstance(driver, str) and driver in ACTIONS:
-        later = make_driver(driver, reaction_s=NOMINAL_REACTION_S)
+        after_decision = make_driver(driver, reaction_s=NOMINAL_REACTION_S)
     elif driver is not None:
-        now = make_driver(driver)
+        first = make_driver(driver)
     used_alone = exclusive(conforming("simulator", simulator))
     simulator = checked_simulator(simulator)
     catalogue = as_catalogue(simulator.catalogue(), simulator.name)
     corridor = load_corridor(scene.map, catalogue)
     camera = camera_for(catalogue, camera)
-    steering = Steering(now, simulator, camera_for(catalogue, own_camera(now)))
+    steering = Steering(first, simulator, camera_for(catalogue, own_camera(first)))
     seed_number(seed)
     finite_number("fps", fps, 0.1, 1.0 / simulator.dt + _ROUNDING)
     if Path(path).suffix.lower() != ".mp4":
@@ -144,16 +144,16 @@ def record(
         used_alone,
         reporting(progress) as report_progress,
         Video(path, fps=1.0 / (stride * simulator.dt)) as video,
-        scene_copy(scene, simulator.name) as given,
+        scene_copy(scene, simulator.name) as copy,
     ):
-        state = simulator.reset(given, seed)
+        state = simulator.reset(copy, seed)
         while True:
             if not is_decided and (
                 state.time >= MAX_APPROACH_S or is_due(scene.decision, None, state, corridor)
             ):
                 is_decided, end = True, min(end, state.time + scene.horizon_s)
-                if later is not None:
-                    steering = Steering(later, simulator, camera)
+                if after_decision is not None:
+                    steering = Steering(after_decision, simulator, camera)
             if state.contacts or state.off_road:
                 end = min(end, state.time + AFTERMATH_S)
             if state.step % stride == 0:
@@ -174,10 +174,11 @@ def _picture(
     camera: Camera,
     view: View,
 ) -> Image:
-    parts = []
-    if view != "bird":
-        parts.append(render_checked(simulator, camera, len(state.ids)).rgb)
-    if view != "ego":
-        size = SIZE if view == "bird" else camera.height
-        parts.append(birds_eye(state, scene, catalogue, size=size))
-    return np.concatenate(parts, axis=1) if len(parts) > 1 else parts[0]
+    """Return one frame of a video: the ego's view, the view from above, or both side by side."""
+    if view == "bird":
+        return birds_eye(state, scene, catalogue)
+    frame = render_checked(simulator, camera, len(state.ids))
+    if view == "ego":
+        return frame.rgb
+    above = birds_eye(state, scene, catalogue, size=camera.height)
+    return np.concatenate((frame.rgb, above), axis=1)

@@ -2,9 +2,9 @@
 
 import pytest
 
+from oodscen._pipeline.jobs import Job
 from oodscen._pipeline.simulation import EPISODES, SETTINGS, Simulation
 from oodscen._pipeline.steps.scenes import REAR
-from oodscen._pipeline.sweep import Job
 from oodscen.errors import FolderTaken
 from oodscen.protocols import Camera
 from oodscen.study._store import Store

@@ -12,7 +12,8 @@ import pytest
 
 from oodscen import Study, StudyConfig
 from oodscen._pipeline import run_study
-from oodscen._pipeline.sweep import Job, Outputs, sweep
+from oodscen._pipeline.jobs import Job, Outputs
+from oodscen._pipeline.sweep import sweep
 from oodscen.data._episode import MOMENTS
 from oodscen.errors import MissingExtra, RunStopped, StudyError, UsageError
 from oodscen.protocols import Camera
@@ -252,7 +253,8 @@ def test_what_is_not_installed_ends_the_sweep(tmp_path, monkeypatch):
 
 
 UNGUARDED = """
-from oodscen._pipeline.sweep import Job, sweep
+from oodscen._pipeline.jobs import Job
+from oodscen._pipeline.sweep import sweep
 from oodscen.testing import example_scene
 
 for result in sweep(Job("flat", is_rear=True), [example_scene()], workers=2):

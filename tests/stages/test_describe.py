@@ -133,6 +133,14 @@ def test_what_cannot_be_is_refused_at_once(options):
         Describer(BuiltinAuthor(), **options)
 
 
+@pytest.mark.parametrize("candidates", [1, 2])
+def test_a_path_of_no_texts_is_refused(candidates):
+    metrics = Metrics(HashEncoder(), ["a car drives"]) if candidates > 1 else None
+    describer = Describer(BuiltinAuthor(), candidates=candidates, metrics=metrics)
+    with pytest.raises(UsageError, match="count must be a whole number from 1"):
+        describer.path("box", PATH, 0)
+
+
 def test_texts_of_different_paths_that_agree_are_written_again():
     texts = ["The ego vehicle meets a box.", "A carton lies ahead of the ego vehicle."]
     tree = ScenarioTree.initial().apply(

@@ -22,6 +22,9 @@ from oodscen.llm._circuit_breaker import CircuitBreakerLLM
 from oodscen.llm._remote.rate_limit import JUDGING
 from oodscen.study._stale_verdicts import OPINIONS
 
+Question = tuple[str, tuple[str, ...], tuple[Visible, ...]]
+"""An open answer, the path of the scene and everything that can be seen of its hazard."""
+
 
 def judge_aspects(
     run: Context,
@@ -31,50 +34,52 @@ def judge_aspects(
 ) -> list[Verdict]:
     """Score every open aspect with the judge, or with the matcher if there is no judge."""
     paths = {scenario.id: scenario.path for scenario in scenarios}
-    shown = {scene.id: scene.visible for scene in scenes}
+    visibles = {scene.id: scene.visible for scene in scenes}
 
     def truth(verdict: Verdict) -> tuple[tuple[str, ...], tuple[Visible, ...]]:
         scene = scene_of(verdict.scene_id)
-        return paths.get(scene, ()), shown.get(scene, ())
+        return paths.get(scene, ()), visibles.get(scene, ())
 
-    label, opinions = "", dict[str, Opinion]()
+    label = ""
+    opinions: dict[str, Opinion] = {}
     if run.config.judge:
         judge = CircuitBreakerLLM(run.models.get(run.config.judge))
         label = judge_label(judge)
-        asked = [(one.aspect, *truth(one)) for one in verdicts if is_open(one)]
-        asked += [(example.answer, example.path, ()) for example in labelled_answers()]
-        items = {opinion_id(label, *one): one for one in asked}
+        questions = [(verdict.aspect, *truth(verdict)) for verdict in verdicts if is_open(verdict)]
+        questions += [(example.answer, example.path, ()) for example in labelled_answers()]
+        items = {opinion_id(label, *question): question for question in questions}
+        threads = run.models.threads(run.config.judge)
 
-        def work(
-            todo: Mapping[str, tuple[str, tuple[str, ...], tuple[Visible, ...]]],
-        ) -> Iterator[Opinion]:
-            threads = run.models.threads(run.config.judge or "")
-            limits = run.models.limits
-            with limits.lenient(JUDGING):
-                for _, found in as_finished(
-                    lambda item: ask_opinion(judge, *item),
+        def work(todo: Mapping[str, Question]) -> Iterator[Opinion]:
+            with run.models.limits.lenient(JUDGING):
+                for _, answer in as_finished(
+                    lambda question: ask_opinion(judge, *question),
                     todo.values(),
                     threads=threads,
                     cancel=run.cancel,
                 ):
-                    yield found
+                    yield answer
 
-        others = _of_others(run, label, asked)
+        others = _of_other_judges(run, label, questions)
         rows = run.each("judge", OPINIONS, items, work, others=others)
         opinions = {row["id"]: Opinion.parse(row) for row in rows}
-    rescore = [(verdict, *truth(verdict)) for verdict in verdicts]
-    return [rescore_verdict(one, path, opinions, label, visible) for one, path, visible in rescore]
+    scored = []
+    for verdict in verdicts:
+        path, visible = truth(verdict)
+        scored.append(rescore_verdict(verdict, path, opinions, label, visible))
+    return scored
 
 
-def _of_others(
-    run: Context, label: str, asked: Iterable[tuple[str, tuple[str, ...], tuple[Visible, ...]]]
+def _of_other_judges(
+    run: Context, label: str, questions: Iterable[Question]
 ) -> list[dict[str, Any]]:
-    """Return the lines of other judges about what is asked, which they need not be asked again."""
+    """Return the lines of other judges about these questions, which they need not be asked again."""
     lines = [line for line in run.store.lines(OPINIONS) if line.get("judge") != label]
-    labels = {str(line.get("judge")) for line in lines}
-    known = {opinion_id(other, *one) for one in asked for other in labels}
+    judges = {str(line.get("judge")) for line in lines}
+    current = {opinion_id(judge, *question) for question in questions for judge in judges}
     return sorted(
-        (line for line in lines if line["id"] in known), key=lambda one: (one["judge"], one["id"])
+        (line for line in lines if line["id"] in current),
+        key=lambda line: (line["judge"], line["id"]),
     )
 
 

@@ -14,13 +14,13 @@ def compare_catalogues(run: Context, tree: ScenarioTree) -> None:
     Branches that only substitutes can show are kept and marked. The questions about the study's own simulator
     equal those of the pruning stage, so a recorded model is not asked them again.
     """
-    if not run.compared or _is_compared(run, tree):
+    catalogues = {run.config.simulator: run.simulator.catalogue(), **run.compared}
+    if len(catalogues) == 1 or _is_compared(run, tree):
         return
-    offered = {run.config.simulator: run.simulator.catalogue(), **run.compared}
-    total = len(offered) * len(tree.leaves)
+    total = len(catalogues) * len(tree.leaves)
     judged: dict[str, list[PruneDecision]] = {}
     done = 0
-    for name, catalogue in offered.items():
+    for name, catalogue in catalogues.items():
         pruner = Pruner(
             run.llm, catalogue, threads=run.threads, cancel=run.cancel, context=run.config.context
         )
@@ -29,8 +29,7 @@ def compare_catalogues(run: Context, tree: ScenarioTree) -> None:
             judged[name].append(decision)
             done += 1
             run.progress("compare", done, total)
-    if len(offered) > 1:
-        run.store.write(CATALOGUES, compare(tree, offered, judged).to_json() + "\n")
+    run.store.write(CATALOGUES, compare(tree, catalogues, judged).to_json() + "\n")
 
 
 def _is_compared(run: Context, tree: ScenarioTree) -> bool:

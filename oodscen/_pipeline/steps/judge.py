@@ -73,43 +73,48 @@ def evaluate(
     items left by a model that was given up, and last items that failed before; these keep their old verdict
     if they are not asked again.
     """
-    episodes, judged_ones, scenes = Judged.of(episodes, scenes, run.config)
+    episodes, judged_episodes, scenes = Judged.of(episodes, scenes, run.config)
     answerers = _answerers(run, episodes, scenarios, scenes)
-    shown: dict[Protocol, Sequence[Episode]] = {"ours": judged_ones}
+    shown: dict[Protocol, Sequence[Episode]] = {"ours": judged_episodes}
     if "paper" in run.config.protocols:
         shown["paper"] = simulate_whole(run, scenes)
     items = _items(run, answerers, shown)
-    is_rear = run.config.rear_view and bool(run.config.vlms)
-    rears = simulate_behind(run, judged_ones) if is_rear else {}
+    needs_rear_views = run.config.rear_view and bool(run.config.vlms)
+    rear_views = simulate_behind(run, judged_episodes) if needs_rear_views else {}
     people = [
         answerer.model
         for answerer in answerers.values()
         if isinstance(answerer.model, PersonAnswers)
     ]
     rule = VerdictRule(shown, scenarios, scenes, run.config, people)
-    questioner = Questioner(run, rule.keys, episodes, rears)
+    questioner = Questioner(run, rule.keys, episodes, rear_views)
 
     def made_from(key: str) -> str:
-        episode, _, model, protocol, _ = items[key]
-        name, is_own = model.name, is_reference(model)
-        return rule.made_from(episode.scene_id, name, protocol, is_reference=is_own)
+        item = items[key]
+        return rule.made_from(
+            item.episode.scene_id,
+            item.model.name,
+            item.protocol,
+            is_reference=is_reference(item.model),
+        )
 
     def is_whole(line: Mapping[str, Any]) -> bool:
         item = items[line["id"]]
-        said = {"scene_id": item.episode.scene_id, "protocol": item.protocol}
-        return rule.is_possible(Verdict.parse({**line, **said}))
+        identity = {"scene_id": item.episode.scene_id, "protocol": item.protocol}
+        return rule.is_possible(Verdict.parse({**line, **identity}))
 
     earlier = run.fitting(_VERDICTS, items, made_from, is_whole)
     _count_kept(run, answerers, items, earlier)
 
     def work(todo: Mapping[str, Item]) -> Iterator[Verdict]:
-        return _asked(run, questioner, answerers, todo, earlier)
+        return _ask(run, questioner, answerers, todo, earlier)
 
     rows = run.each("evaluate", _VERDICTS, items, work, made_from=made_from, is_whole=is_whole)
-    kept = [Verdict.parse(row) for row in rows]
-    anew = [questioner.rescored(verdict, items[verdict.id]) for verdict in kept]
-    verdicts = [_mark_outdated(verdict) for verdict in judge_aspects(run, anew, scenarios, scenes)]
-    if verdicts != kept:
+    stored = [Verdict.parse(row) for row in rows]
+    rescored = [questioner.rescored(verdict, items[verdict.id]) for verdict in stored]
+    scored = judge_aspects(run, rescored, scenarios, scenes)
+    verdicts = [_mark_outdated(verdict) for verdict in scored]
+    if verdicts != stored:
         run.store.write_lines(_VERDICTS, verdicts)
     board = leaderboard(
         verdicts,
@@ -123,14 +128,14 @@ def evaluate(
     return verdicts
 
 
-def _asked(
+def _ask(
     run: Context,
     questioner: Questioner,
     answerers: Mapping[str, Answerer],
     todo: Mapping[str, Item],
     earlier: Mapping[str, Mapping[str, Any]],
 ) -> Iterator[Verdict]:
-    """Yield the verdicts on items; one that failed in the `earlier` lines keeps its verdict if it is not asked again."""
+    """Yield the verdicts on items; one that failed in the `earlier` lines keeps its verdict if it is left unasked."""
     for turn in ("new", "unasked", "failed"):
         items = [item for key, item in todo.items() if _turn(earlier.get(key)) == turn]
         with run.models.limits.lenient(math.inf if turn == "failed" else JUDGING):
@@ -165,12 +170,12 @@ def _items(
             if protocol not in _protocols(run, name, model):
                 continue
             is_withheld = name not in run.config.vlms and is_without_pictures(name)
-            called = without_pictures(model.name) if is_withheld else model.name
+            row = without_pictures(model.name) if is_withheld else model.name
             for episode in episodes:
                 if isinstance(model, PersonAnswers) and episode.scene_id not in model.items:
                     continue
                 if not is_reference(model) or (episode.status == "ok" and episode.frames):
-                    key = verdict_id(episode.scene_id, called, protocol)
+                    key = verdict_id(episode.scene_id, row, protocol)
                     items[key] = Item(episode, name, model, protocol, is_withheld)
     return items
 
@@ -198,23 +203,26 @@ def _answerers(
         if episode.status == "ok" and "last" in episode.frames:
             with suppress(DataError):
                 pictures[episode.scene_id] = run.store.inside(episode.frames["last"])
-    maps = {scene.id: scene.map for scene in scenes}
-    maps |= {id_of(name): place for name, place in maps.items() for id_of in (twin_id, demand_id)}
-    found = {name: Answerer(run.models.get(name)) for name in NAMED}
+    maps = {
+        drive_id: scene.map
+        for scene in scenes
+        for drive_id in (scene.id, twin_id(scene.id), demand_id(scene.id))
+    }
+    answerers = {name: Answerer(run.models.get(name)) for name in NAMED}
     for reference in (Blind(episodes, leaves), NoveltyReference(pictures, maps), Oracle()):
-        found[reference.name] = Answerer(reference)
+        answerers[reference.name] = Answerer(reference)
     for name in run.config.vlms:
         model = run.models.get(name)
         if is_reference(model):
-            found[name] = Answerer(model)
+            answerers[name] = Answerer(model)
         else:
-            found[name] = Answerer(CircuitBreakerLLM(model), run.models.limits.concurrency)
+            answerers[name] = Answerer(CircuitBreakerLLM(model), run.models.limits.concurrency)
     for name in run.config.withheld:
-        if name in found and not takes_cases(found[name].model):
-            found[without_pictures(name)] = found[name]
+        if name in answerers and not takes_cases(answerers[name].model):
+            answerers[without_pictures(name)] = answerers[name]
     for name in run.config.people:
-        found[person(name)] = Answerer(PersonAnswers.load(run.store, name, episodes))
-    return found
+        answerers[person(name)] = Answerer(PersonAnswers.load(run.store, name, episodes))
+    return answerers
 
 
 def _protocols(run: Context, name: str, model: LLM) -> tuple[Protocol, ...]:

@@ -14,7 +14,7 @@ def measure(
     run: Context, scenarios: list[Scenario], sets: Mapping[int, list[Scenario]]
 ) -> list[Scenario]:
     """Compute the metrics and return the scenarios inside the OOD-ness band."""
-    groups = {**{str(size): chosen for size, chosen in sets.items()}, "simulatable": scenarios}
+    groups = {**{str(size): texts for size, texts in sets.items()}, "simulatable": scenarios}
     leaves = {leaf.id: leaf.label for leaf in run.study.tree("diverse").leaves}
     texts = {
         name: [[scenario.leaf, scenario.text] for scenario in chosen]
@@ -24,28 +24,32 @@ def measure(
     is_made = run.store.holds("metrics.json") and run.study.metrics.get("made_from") == made_from
     if not is_made or (run.options.retry and unanswered(run.study)):
         run.progress("metrics", 0, 1)
-        found = _metrics(run, groups, leaves).model_copy(update={"made_from": made_from})
-        run.store.write("metrics.json", found.to_json() + "\n")
+        measured = _measured(run, groups, leaves).model_copy(update={"made_from": made_from})
+        run.store.write("metrics.json", measured.to_json() + "\n")
     run.progress("metrics", 1, 1)
     if run.config.band is None or not scenarios:
         return scenarios
     low, high = run.config.band
     values = run.study.metrics["sets"]["simulatable"]["oodness"]["per_text"]
-    return [s for s, value in zip(scenarios, values, strict=True) if low <= value <= high]
+    return [
+        scenario
+        for scenario, oodness in zip(scenarios, values, strict=True)
+        if low <= oodness <= high
+    ]
 
 
 def unanswered(study: Study) -> int:
     """Return the number of texts whose rarity a model was asked for without an answer that could be read."""
-    asked = study.metrics.get("asked") or {}
-    return sum("not answered" in text["flags"] for text in asked.get("per_text", ()))
+    rarity = study.metrics.get("asked") or {}
+    return sum("not answered" in text["flags"] for text in rarity.get("per_text", ()))
 
 
-def _metrics(
+def _measured(
     run: Context, groups: Mapping[str, Sequence[Scenario]], leaves: Mapping[str, str]
 ) -> Measurements:
     metrics = Metrics(run.encoder, run.baseline, seed=run.config.seed)
-    found = measurements(metrics, groups, leaves)
+    measured = measurements(metrics, groups, leaves)
     if run.rarity_llm is None or not groups["simulatable"]:
-        return found
+        return measured
     rarity = metrics.rarity(groups["simulatable"], run.rarity_llm)
-    return found.model_copy(update={"asked": rarity})
+    return measured.model_copy(update={"asked": rarity})

@@ -38,7 +38,7 @@ class Questioner:
         run: Context,
         keys: AnswerKeys,
         episodes: Sequence[Episode],
-        rears: Mapping[str, str],
+        rear_views: Mapping[str, str],
     ) -> None:
         """Collect what the questions need.
 
@@ -46,18 +46,18 @@ class Questioner:
             run: The run, with its configuration and files.
             keys: The keys to the answers.
             episodes: All drives up to the decision.
-            rears: Files of the views to the rear, by drive.
+            rear_views: Files of the views to the rear, by drive.
         """
         self._config, self._store, self._keys = run.config, run.store, keys
         self._up_to_decision = {episode.scene_id: episode for episode in episodes}
-        self._rears = rears
+        self._rear_views = rear_views
 
     def verdict(self, item: Item) -> Verdict:
         """Return the answerer's verdict on an item; a failed one if there is nothing to show."""
         episode, model, protocol = item.episode, item.model, item.protocol
         if episode.status == "failed" or not episode.frames:
-            why, kind = f"it did not run: {episode.error}", episode.error_type or ""
-            return unjudged_verdict(episode, model, why, kind, protocol, withheld=item.is_withheld)
+            error = f"it did not run: {episode.error}"
+            return self._unjudged(item, error, episode.error_type or "")
         frames: dict[str, Image] = {}
         before = rear = None
         if not takes_cases(model):
@@ -69,10 +69,7 @@ class Questioner:
                 if protocol == "paper" and earlier is not None:
                     before = ShownDrive.of(earlier, self._images(earlier))
             except (OSError, DataError) as error:
-                why, kind = str(error), type(error).__name__
-                return unjudged_verdict(
-                    episode, model, why, kind, protocol, withheld=item.is_withheld
-                )
+                return self._unjudged(item, str(error), type(error).__name__)
         key = self._keys.of(episode, protocol)
         return judge_episode(
             episode,
@@ -89,10 +86,21 @@ class Questioner:
             withheld=item.is_withheld,
         )
 
+    def _unjudged(self, item: Item, error: str, error_type: str) -> Verdict:
+        return unjudged_verdict(
+            item.episode,
+            item.model,
+            error,
+            error_type,
+            item.protocol,
+            withheld=item.is_withheld,
+        )
+
     def rescored(self, verdict: Verdict, item: Item) -> Verdict:
         """Return a stored verdict with its scores computed again, without a question.
 
-        References, and people, whose answers the study holds, answer again; a model's answers are those of the verdict.
+        References, and people, whose answers the study holds, answer again; a model's answers are those of the
+        verdict.
         """
         episode, model, protocol = item.episode, item.model, item.protocol
         if episode.status == "failed" or not episode.frames:
@@ -101,25 +109,29 @@ class Questioner:
         if takes_cases(model):
             case = Case(episode, key.path, key.leaf, key.options, episode.frames)
             return rescored(verdict, key, answers_of_reference(model, case, protocol))
-        fields = {name: getattr(verdict, name) for name in ("is_ood", "aspect", "choice", "action")}
-        said = {name: value for name, value in fields.items() if value is not None}
+        fields = {
+            field: getattr(verdict, field) for field in ("is_ood", "aspect", "choice", "action")
+        }
+        answered = {field: value for field, value in fields.items() if value is not None}
         name = without_pictures(model.name) if item.is_withheld else model.name
-        answers = GivenAnswers(name, said, protocol=protocol, kind=kind_of_answerer(model))
+        answers = GivenAnswers(name, answered, protocol=protocol, kind=kind_of_answerer(model))
         return rescored(verdict, key, answers)
 
     def _images(self, episode: Episode, protocol: Protocol = "ours") -> dict[str, Image]:
         """Return the frames; raises `DataError` if one cannot be shown."""
         camera = self._config.camera
         frames = frames_of(self._store, episode.frames, episode.file_sha256, camera)
-        wanted = moments(self._config.frames) if protocol == "ours" else MOMENTS
-        faults = [f"there is no {moment} frame" for moment in wanted if moment not in frames]
-        if faults:
-            raise DataError("frames", [Issue("", fault) for fault in faults])
+        expected = moments(self._config.frames) if protocol == "ours" else MOMENTS
+        issues = [
+            Issue("", f"there is no {moment} frame") for moment in expected if moment not in frames
+        ]
+        if issues:
+            raise DataError("frames", issues)
         return frames
 
     def _rear_view(self, episode: Episode) -> Image:
         """Return the view to the rear; raises `DataError` if it cannot be shown."""
-        file = self._rears.get(episode.scene_id, "")
+        file = self._rear_views.get(episode.scene_id)
         image = Image.from_file(self._store.inside(file), file) if file else None
         fault = image.fault() if image else "there is no view to the rear"
         if image is None or fault:

@@ -6,8 +6,9 @@ from typing import Any
 
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context, failed
+from oodscen._pipeline.jobs import Job
 from oodscen._pipeline.steps.staged import SCENES, STAGED, Line, StagedScenes
-from oodscen._pipeline.sweep import Job, sweep
+from oodscen._pipeline.sweep import sweep
 from oodscen.data._base import digest
 from oodscen.data._claim import Claim
 from oodscen.data._episode import Episode, moments
@@ -49,14 +50,17 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
         for path, (props, motions) in made.items()
     }
     by_id = {scenario.id: scenario for scenario in scenarios}
-    before = StagedScenes(run.store)
-    written = before.written(by_id)
+    earlier = StagedScenes(run.store)
+    written = earlier.written(by_id)
     claims_by_text = _claims(run, plain, scenarios)
 
     def made_from(name: str) -> str:
-        text, claims = by_id[name], claims_by_text[name]
-        read = None if isinstance(claims, LLMError) else claims
-        return text_digest(text, read, made.get(text.path, NOTHING).digests())
+        scenario, claims = by_id[name], claims_by_text[name]
+        return text_digest(
+            scenario,
+            None if isinstance(claims, LLMError) else claims,
+            made.get(scenario.path, NOTHING).digests(),
+        )
 
     def work(scenario: Scenario) -> Staging | Line:
         claims = claims_by_text[scenario.id]
@@ -71,15 +75,15 @@ def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:
         return Staging(id=scenario.id, scene=scene)
 
     # Remove the scenes of changed texts first; later they would look as if changed by hand.
-    fits = run.fitting(STAGED, by_id, made_from)
-    kept = {
-        name: scene for name, scene in written.items() if name in fits or before.is_by_hand(scene)
+    valid = run.fitting(STAGED, by_id, made_from)
+    remaining = {
+        name: scene for name, scene in written.items() if name in valid or earlier.is_by_hand(scene)
     }
-    if len(kept) < len(written):
-        run.store.write_lines(SCENES, kept.values())
+    if len(remaining) < len(written):
+        run.store.write_lines(SCENES, remaining.values())
     _ask_each(run, "augment", STAGED, scenarios, work, made_from)
     staged = StagedScenes(run.store)
-    staged.write_scenes(staged.ran | kept)
+    staged.write_scenes(staged.ran | remaining)
     return [staging.scene for staging in staged.by_id.values()]
 
 
@@ -185,14 +189,16 @@ def _simulate(run: Context, staged: StagedScenes) -> list[Episode]:
         for result in sweep(
             job, scenes, workers=run.options.workers, executor=run.options.executor
         ):
-            name = result.episode.id
-            if name in staged.by_id:
+            drive_id = result.episode.id
+            if drive_id in staged.by_id:
                 tried = tuple(attempt._asdict() for attempt in result.tried)
-                staging = staged.by_id[name].after(result.episode.restaged, result.restaged, tried)
-                made_from[name] = staging.ran.digest()
+                staging = staged.by_id[drive_id].after(
+                    result.episode.restaged, result.restaged, tried
+                )
+                made_from[drive_id] = staging.ran.digest()
                 staged.put(staging)
             elif result.demand is not None:
-                staged.put(staged.by_id[scene_of(name)].demanding(result.demand))
+                staged.put(staged.by_id[scene_of(drive_id)].demanding(result.demand))
             result.save(run.store)
             yield result.episode
 
@@ -250,23 +256,25 @@ def simulate_behind(run: Context, episodes: Sequence[Episode]) -> dict[str, str]
         run: The run's context.
         episodes: The episodes of scenes, twins and demands that are to be judged.
     """
-    ran = [Scene.parse(line) for line in run.store.lines(SCENES) if line.get("status") != "failed"]
-    drives = {scene.id: scene for scene in ran}
+    lines = [line for line in run.store.lines(SCENES) if line.get("status") != "failed"]
+    drives = {scene.id: scene for scene in map(Scene.parse, lines)}
     for episode in episodes:
         if episode.is_twin and episode.decision_s is not None:
-            name = scene_of(episode.scene_id)
-            drives[episode.scene_id] = drives[name].twin(episode.decision_s)
-    items = {one.scene_id: drives[one.scene_id] for one in episodes if one.status == "ok"}
+            scene = drives[scene_of(episode.scene_id)]
+            drives[episode.scene_id] = scene.twin(episode.decision_s)
+    items = {
+        episode.scene_id: drives[episode.scene_id] for episode in episodes if episode.status == "ok"
+    }
     config = run.config
     job = Job(config.simulator, config.seed, camera=config.camera, is_rear=True)
-    rows = _sweep(run, job, items, REAR)
-    return {row.scene_id: row.frames["last"] for row in rows if row.frames}
+    rear_episodes = _sweep(run, job, items, REAR)
+    return {episode.scene_id: episode.frames["last"] for episode in rear_episodes if episode.frames}
 
 
 def has_files(store: Store, line: Mapping[str, Any]) -> bool:
     """Return whether the files of an episode are there, as they were written."""
-    written = line.get("file_sha256", {})
+    sha256 = line.get("file_sha256", {})
     return all(
-        store.holds(file) and (file not in written or store.digest(file) == written[file])
+        store.holds(file) and (file not in sha256 or store.digest(file) == sha256[file])
         for file in (*line["frames"].values(), *line["files"])
     )

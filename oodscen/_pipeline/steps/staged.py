@@ -34,10 +34,10 @@ class StagedScenes:
         """The scenes that were run, or will be run, by id."""
         return {name: staging.ran for name, staging in self.by_id.items()}
 
-    def put(self, one: Staging) -> None:
+    def put(self, staging: Staging) -> None:
         """Replace a scene, and append its line."""
-        self.by_id[one.id] = one
-        self._store.append(STAGED, one)
+        self.by_id[staging.id] = staging
+        self._store.append(STAGED, staging)
 
     def save(self) -> None:
         """Write `staged.jsonl`, one line per scene."""
@@ -56,7 +56,7 @@ class StagedScenes:
         Raises:
             DataError: If a line is malformed, or was added by hand and has none of the texts.
         """
-        found: dict[str, Scene] = {}
+        scenes: dict[str, Scene] = {}
         for number, line in enumerate(self._store.lines(SCENES), start=1):
             if line.get("status") == "failed":
                 continue
@@ -66,12 +66,12 @@ class StagedScenes:
                 continue
             if scene.id not in texts and self.is_by_hand(scene):
                 fault = (
-                    f"there is no text {scene.id!r} in this study; remove the line, and run the scene by itself with "
-                    "`oodscen simulate`"
+                    f"there is no text {scene.id!r} in this study; remove the line, and run the scene by itself "
+                    "with `oodscen simulate`"
                 )
                 raise DataError(Scene.noun, [Issue("", fault)], source=source)
-            found[scene.id] = scene
-        return found
+            scenes[scene.id] = scene
+        return scenes
 
     def take_edited(self) -> bool:
         """Replace the staged scenes by those that were edited by hand; return whether there are any."""
@@ -80,8 +80,8 @@ class StagedScenes:
             for name, scene in self.written(self._lines).items()
             if self.is_by_hand(scene)
         }
-        found = self.by_id | edited
-        self.by_id = {name: found[name] for name in self._lines if name in found}
+        stagings = self.by_id | edited
+        self.by_id = {name: stagings[name] for name in self._lines if name in stagings}
         return bool(edited)
 
     def write_scenes(self, scenes: Mapping[str, Scene]) -> None:

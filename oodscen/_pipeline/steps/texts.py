@@ -69,13 +69,14 @@ def _describe(
     for line in run.store.lines(file):
         if not run.is_again(line):
             lines.setdefault(line.get("leaf", ""), []).append(line)
-    short = {
-        line["leaf"]: line["texts"] for line in run.store.lines(SHORT_PATHS) if line["file"] == file
-    }
+    accepted = {leaf: {count} for leaf, count in counts.items()}
+    for line in run.store.lines(SHORT_PATHS):
+        if line["file"] == file and line["leaf"] in paths:
+            accepted[line["leaf"]] = {counts[line["leaf"]], line["texts"]}
     done = {
         leaf: rows
         for leaf, rows in lines.items()
-        if leaf in paths and _is_whole(rows, paths[leaf], {counts[leaf], short.get(leaf, -1)})
+        if leaf in paths and _is_whole(rows, paths[leaf], accepted[leaf])
     }
 
     def work(leaf: str) -> list[dict[str, Any]]:
@@ -105,23 +106,25 @@ def _describe(
 
 def _describer(run: Context, sample: int, *, is_shown: bool) -> Describer:
     config = run.config
-    is_chosen = config.candidates > 1
+    is_selective = config.candidates > 1
     metrics = None
-    if is_chosen or is_calibrated(run.encoder.name):
+    if is_selective or is_calibrated(run.encoder.name):
         metrics = Metrics(run.encoder, run.baseline, seed=config.seed)
+    catalogue, made = None, {}
+    if is_shown:
+        catalogue = run.simulator.catalogue()
+        made = {path: designs.described() for path, designs in made_for(run.study).items()}
     return Describer(
         run.llm,
         run.encoder,
         style=config.style,
         candidates=config.candidates,
-        band=config.band if is_chosen else None,
+        band=config.band if is_selective else None,
         metrics=metrics,
         twins=has_twins(config),
         sample=sample,
-        catalogue=run.simulator.catalogue() if is_shown else None,
-        made={path: order.described() for path, order in made_for(run.study).items()}
-        if is_shown
-        else None,
+        catalogue=catalogue,
+        made=made,
     )
 
 
@@ -129,13 +132,13 @@ def _distinct(describer: Describer, rows: list[dict[str, Any]]) -> list[dict[str
     """Reword texts that repeat a text of an earlier path."""
     scenarios = [Scenario.parse(row) for row in rows if "error" not in row]
     try:
-        again = {
+        reworded = {
             scenario.id: scenario.model_dump(mode="json")
             for scenario in describer.reworded(scenarios)
         }
     except LLMError:
         return rows
-    return [again.get(row["id"], row) for row in rows]
+    return [reworded.get(row["id"], row) for row in rows]
 
 
 def _twinned(describer: Describer, row: dict[str, Any]) -> dict[str, Any]:

@@ -108,26 +108,26 @@ class PropMaker:
         self.keep(shown[drawn])
         return MadeProp(id=wanted.name, prop=answer.prop, look=look, drawn=drawn, **provenance)
 
-    def draw(self, made: MadeProp) -> MadeProp:
+    def draw(self, thing: MadeProp) -> MadeProp:
         """Look at a design as it is now; one that was changed counts as not shown to be recognised.
 
         Raises:
             DataError: When the simulator cannot show it, or it has another id than its line.
         """
-        prop = made.prop
+        prop = thing.prop
         if prop is None:
-            return made
-        source = f"{ASSETS}, {made.id}"
-        if prop.id != made.id:
-            raise DataError(Prop.noun, [Issue("prop.id", f"must be {made.id}")], source=source)
+            return thing
+        source = f"{ASSETS}, {thing.id}"
+        if prop.id != thing.id:
+            raise DataError(Prop.noun, [Issue("prop.id", f"must be {thing.id}")], source=source)
         try:
             (shown,) = look_at([prop], self.simulator)
         except SceneError as error:
             raise DataError(Prop.noun, error.issues, source=source) from None
         self.keep(shown)
-        is_unchanged = made.drawn in ("", prop.digest())
-        look = made.look if is_unchanged else shown.look
-        return made.model_copy(update={"look": look, "drawn": prop.digest()})
+        is_unchanged = thing.drawn in ("", prop.digest())
+        look = thing.look if is_unchanged else shown.look
+        return thing.model_copy(update={"look": look, "drawn": prop.digest()})
 
     def _parts(self, category: Category) -> tuple[KnownPart, ...]:
         """Return what may be a part: things that stand, and bodies of the same category."""

@@ -78,7 +78,7 @@ def options(prop: Prop, catalogue: Catalogue) -> tuple[str, ...]:
     others.sort(key=lambda asset: asset.category != prop.category)
     near, far = others[: OPTIONS // 2], _shuffled(others[OPTIONS // 2 :], rng)
     descriptions = [asset.description for asset in (*near, *far)][: OPTIONS - 1]
-    return (*_shuffled([prop.description, *dict.fromkeys(descriptions)], rng), NONE)
+    return (*_shuffled(list(dict.fromkeys((prop.description, *descriptions))), rng), NONE)
 
 
 def _shuffled(items: Sequence[Item], rng: np.random.Generator) -> list[Item]:

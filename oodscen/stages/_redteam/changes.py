@@ -9,9 +9,12 @@ from oodscen.errors import Issue
 from oodscen.prompts._tree.kind_labels import parts_of
 from oodscen.prompts._tree.place_scenario import MOST_ALSO, PlacedScenario, label_issues
 from oodscen.stages._redteam.rounds import Decision, RunnerUp
-from oodscen.stages._redteam.shared_words import by_words, stems
+from oodscen.stages._redteam.shared_words import shared_word_scores, stems
 from oodscen.tree._labels import label_fault, same_words
 from oodscen.tree._scenario_tree import ROOT, ScenarioTree, TreeEdit
+
+_LONGEST_REASON = 300
+"""Number of characters of a runner-up's reason that are kept."""
 
 
 def edits_of(
@@ -23,9 +26,9 @@ def edits_of(
     empty is removed. A split widens a leaf's label, makes it a family and puts two leaves below it: the first
     has the old label, the second is new.
 
-    A label may list several kinds: "A or B doing C". A new leaf with such a label becomes one leaf per kind, of which
-    the one that shares the most words with the text stands for it. A leaf that such a label would only lengthen keeps its own
-    label, and the other kinds become leaves beside it.
+    A label may list several kinds: "A or B doing C". A new leaf with such a label becomes one leaf per kind, of
+    which the one that shares the most words with the text stands for it. A leaf that such a label would only
+    lengthen keeps its own label, and the other kinds become leaves beside it.
 
     Returns:
         The edits, and the id of the leaf that stands for the text; no edits and `None` for a refused text.
@@ -78,7 +81,7 @@ class _Draft:
     def add_leaves(self, parent: str, labels: Sequence[str]) -> str:
         """Add a leaf per label and return the id of the one that shares the most words with the text."""
         leaves = [self.add(parent, label) for label in labels]
-        shared = by_words(str(self._why.get("source") or ""), labels)
+        shared = shared_word_scores(str(self._why.get("source") or ""), labels)
         return leaves[shared.index(max(shared))]
 
 
@@ -101,14 +104,14 @@ def _others(tree: ScenarioTree, placed: PlacedScenario, label: str) -> tuple[str
     """Return the new kinds of a list that a leaf's label is to become, if one of the list is the leaf's own."""
     if placed.decision != "broaden" or placed.node is None or tree.children[placed.node]:
         return ()
-    own = stems(tree.by_id[placed.node].label)
+    words = stems(tree.by_id[placed.node].label)
     parts = parts_of(label)
-    mine = [part for part in parts if stems(part) <= own]
-    rest = [part for part in parts if part not in mine]
-    if len(mine) != 1 or not rest:
+    leaf_parts = [part for part in parts if stems(part) <= words]
+    others = [part for part in parts if part not in leaf_parts]
+    if len(leaf_parts) != 1 or not others:
         return ()
-    new = _kinds(tree, label)
-    return tuple(part for part in rest if part in new)
+    kinds = _kinds(tree, label)
+    return tuple(part for part in others if part in kinds)
 
 
 def misfits(tree: ScenarioTree, placed: PlacedScenario) -> list[Issue]:
@@ -116,42 +119,43 @@ def misfits(tree: ScenarioTree, placed: PlacedScenario) -> list[Issue]:
     issues = label_issues(placed, tree.nodes)
     node = placed.node
     if placed.decision == "add" and placed.category and node is not None and node in tree.by_id:
-        own = _class_of(tree, node)
-        for place, name in enumerate(placed.members):
+        node_class = _class_of(tree, node)
+        for index, name in enumerate(placed.members):
             if name not in tree.by_id or tree.children[name]:
-                issues.append(Issue(f"members[{place}]", f"{name!r} is not a leaf of the tree"))
-            elif tree.by_id[name].parent in (None, ROOT) or _class_of(tree, name) != own:
-                issues.append(Issue(f"members[{place}]", f"{name!r} is of another class"))
+                issues.append(Issue(f"members[{index}]", f"{name!r} is not a leaf of the tree"))
+            elif tree.by_id[name].parent in (None, ROOT) or _class_of(tree, name) != node_class:
+                issues.append(Issue(f"members[{index}]", f"{name!r} is of another class"))
     return issues
 
 
 def runners_up(tree: ScenarioTree, placed: PlacedScenario) -> tuple[RunnerUp, ...]:
     """Return the other leaves that the text would also fit; ids of anything else are dropped."""
     leaves = {leaf.id for leaf in tree.leaves} - {placed.node}
-    found: dict[str, RunnerUp] = {}
+    by_node: dict[str, RunnerUp] = {}
     for also in placed.also:
         if also.node in leaves:
-            why = one_line(also.why)[:300]
-            found.setdefault(also.node, RunnerUp(node=also.node, why=why))
-    return tuple(found.values())[:MOST_ALSO]
+            why = one_line(also.why)[:_LONGEST_REASON]
+            by_node.setdefault(also.node, RunnerUp(node=also.node, why=why))
+    return tuple(by_node.values())[:MOST_ALSO]
 
 
 def _moves(
     tree: ScenarioTree, placed: PlacedScenario, family: str, why: dict[str, Any]
 ) -> list[TreeEdit]:
+    """Return the moves of leaves into a new family, and the removals of the families that they empty."""
     members = dict.fromkeys(placed.members)
     edits = [TreeEdit(op="move", node=name, parent=family, **why) for name in members]
-    left = {name: len(children) for name, children in tree.children.items()}
-    if placed.node in left:
-        left[placed.node] += 1  # the new family
+    child_counts = {name: len(children) for name, children in tree.children.items()}
+    if placed.node in child_counts:
+        child_counts[placed.node] += 1  # the new family
     for name in members:
-        emptied = tree.by_id[name].parent
-        while emptied is not None:
-            left[emptied] -= 1
-            if left[emptied] or tree.by_id[emptied].parent in (None, ROOT):
+        parent = tree.by_id[name].parent
+        while parent is not None:
+            child_counts[parent] -= 1
+            if child_counts[parent] or tree.by_id[parent].parent in (None, ROOT):
                 break
-            edits.append(TreeEdit(op="remove", node=emptied, **why))
-            emptied = tree.by_id[emptied].parent
+            edits.append(TreeEdit(op="remove", node=parent, **why))
+            parent = tree.by_id[parent].parent
     return edits
 
 

@@ -35,11 +35,11 @@ def excerpt(tree: ScenarioTree, ranked: Callable[[], Sequence[str]], *, tokens: 
     shown = {node.id for node in tree.nodes if node.parent in (None, ROOT)}
     spent = sum(costs[name] for name in shown)
     for leaf in ranked():
-        branch, cursor, cost = [], leaf, 0
-        while cursor not in shown and cost <= room:
-            branch.append(cursor)
-            cost += costs[cursor]
-            cursor = tree.by_id[cursor].parent or ROOT
+        branch, node_id, cost = [], leaf, 0
+        while node_id not in shown and cost <= room:
+            branch.append(node_id)
+            cost += costs[node_id]
+            node_id = tree.by_id[node_id].parent or ROOT
         if spent + cost > _NEAREST * room:
             break
         shown.update(branch)
@@ -79,10 +79,10 @@ def list_leaves(tree: ScenarioTree, *, tokens: int, turn: int = 0) -> tuple[tupl
         return tuple(labels), 0
     least = min(len(label) for label in labels) + 2
     start = turn * max(room // (4 * least), 1) % len(labels)
-    found: list[str] = []
+    listed: list[str] = []
     for label in labels[start:] + labels[:start]:
         room -= len(label) + 2
         if room < 0:
             break
-        found.append(label)
-    return tuple(found), len(labels) - len(found)
+        listed.append(label)
+    return tuple(listed), len(labels) - len(listed)

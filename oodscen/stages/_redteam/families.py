@@ -1,5 +1,8 @@
 """The families of a tree that a proposal is to look at: thin ones, and different ones for simultaneous proposals."""
 
+import math
+from itertools import zip_longest
+
 from oodscen.tree._scenario_tree import ROOT, ScenarioTree
 
 _THIN = 5
@@ -12,24 +15,24 @@ def thin(tree: ScenarioTree, *, turn: int = 0) -> tuple[str, ...]:
     A group is a family: a node between a class and the leaves. The thinner half takes turns. A class with
     less than half as many leaves as the other comes first.
     """
-    counts = dict.fromkeys((node.id for node in tree.nodes), 0)
+    leaves = dict.fromkeys((node.id for node in tree.nodes), 0)
     order = [node for node, _ in tree.walk()]
     for node in reversed(order):
         if not tree.children[node.id]:
-            counts[node.id] = 0 if node.parent in (None, ROOT) else 1
+            leaves[node.id] = 0 if node.parent in (None, ROOT) else 1
         if node.parent is not None:
-            counts[node.parent] += counts[node.id]
+            leaves[node.parent] += leaves[node.id]
     classes = [node for node in order if node.parent == ROOT]
-    most = max((counts[node.id] for node in classes), default=0)
-    found = [node.label for node in classes if 2 * counts[node.id] < most]
+    most = max((leaves[node.id] for node in classes), default=0)
+    thin_classes = [node for node in classes if 2 * leaves[node.id] < most]
     families = [
         node for node in order if node.parent not in (None, ROOT) and tree.children[node.id]
     ]
-    families.sort(key=lambda node: counts[node.id])
-    thinner = families[: -(-len(families) // 2)]
+    families.sort(key=lambda node: leaves[node.id])
+    thinner = families[: math.ceil(len(families) / 2)]
     start = turn * _THIN % len(thinner) if thinner else 0
-    found += [node.label for node in (thinner[start:] + thinner[:start])[:_THIN]]
-    return tuple(found)
+    thin_families = (thinner[start:] + thinner[:start])[:_THIN]
+    return tuple(node.label for node in (*thin_classes, *thin_families))
 
 
 def corner(tree: ScenarioTree, number: int, *, of: int) -> str:
@@ -40,15 +43,15 @@ def corner(tree: ScenarioTree, number: int, *, of: int) -> str:
     """
     if of <= 1:
         return ""
-    classes = [node.id for node in tree.nodes if node.parent == ROOT]
-    families = [
-        [node for node in tree.nodes if node.parent == name and tree.children[node.id]]
-        for name in classes
+    families_by_class = [
+        [node for node in tree.nodes if node.parent == parent.id and tree.children[node.id]]
+        for parent in tree.nodes
+        if parent.parent == ROOT
     ]
-    turns = [
-        group[place]
-        for place in range(max(map(len, families), default=0))
-        for group in families
-        if place < len(group)
+    by_turns = [
+        family
+        for families in zip_longest(*families_by_class)
+        for family in families
+        if family is not None
     ]
-    return turns[(number - 1) % len(turns)].label if turns else ""
+    return by_turns[(number - 1) % len(by_turns)].label if by_turns else ""

@@ -34,7 +34,8 @@ class Names(NamedTuple):
             shown[node.id] = name
         return cls(shown)
 
-    def asked(self, question: PlaceScenario) -> PlaceScenario:
+    def in_question(self, question: PlaceScenario) -> PlaceScenario:
+        """Return a question about the tree with the names for its ids."""
         if not self.shown:
             return question
         nodes = tuple(
@@ -46,11 +47,14 @@ class Names(NamedTuple):
             )
             for node in question.nodes
         )
-        hidden = tuple(one.model_copy(update={"id": self._name(one.id)}) for one in question.hidden)
+        hidden = tuple(
+            branch.model_copy(update={"id": self._name(branch.id)}) for branch in question.hidden
+        )
         full = tuple(sorted(map(self._name, question.full)))
         return question.model_copy(update={"nodes": nodes, "hidden": hidden, "full": full})
 
-    def answered(self, answer: PlacedScenario) -> PlacedScenario:
+    def in_tree(self, answer: PlacedScenario) -> PlacedScenario:
+        """Return an answer with the ids of the tree for their names."""
         ids = {name: node for node, name in self.shown.items()}
         if not ids:
             return answer

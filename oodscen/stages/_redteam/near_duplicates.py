@@ -11,7 +11,7 @@ from oodscen.encoders._centring import Vector, label_rows, unit_rows
 from oodscen.encoders._check import dimension
 from oodscen.protocols import Encoder
 from oodscen.stages._redteam.rounds import Round
-from oodscen.stages._redteam.shared_words import by_words
+from oodscen.stages._redteam.shared_words import shared_word_scores
 from oodscen.stages._redteam.thresholds import NEAREST_LABEL, NEAREST_TEXT
 from oodscen.tree._scenario_tree import ROOT, ScenarioTree
 
@@ -75,7 +75,7 @@ class NoveltyFilter:
         self._text_count = len(frames)
         self._texts = np.empty((16, dimension(encoder)))
 
-    def nearness(self, text: str) -> ClosestText:
+    def closest(self, text: str) -> ClosestText:
         """Compare a proposal with all leaves and all earlier proposals."""
         if (kind := self._literal.get(folded_words(text))) is not None:
             return ClosestText(1.0, kind, "text", text, True)
@@ -88,29 +88,28 @@ class NoveltyFilter:
             cosines = _cosines(self._label_rows(), vector)
             best = int(cosines.argmax())
             label = self._leaves[ids[best]]
-            texts.append(self._judged(float(cosines[best]), ids[best], "label", label))
+            texts.append(self._compared(float(cosines[best]), ids[best], "label", label))
         if self._proposed:
             cosines = _cosines(self._texts[: len(self._proposed)] - self._text_centre, vector)
             best = int(cosines.argmax())
             kind, words = self._kinds[best], self._proposed[best]
-            texts.append(self._judged(float(cosines[best]), kind, "text", words))
+            texts.append(self._compared(float(cosines[best]), kind, "text", words))
         if not texts:
             return ClosestText(None, None, None, "", False)
-        return max(
-            texts, key=lambda closest_text: (closest_text.is_too_near, self._excess(closest_text))
-        )
+        return max(texts, key=lambda closest: (closest.is_too_near, self._excess(closest)))
 
     def rank_leaves(self, text: str, tree: ScenarioTree) -> list[str]:
         """Return the ids of a tree's leaves, ordered from the nearest to a text."""
         leaves = tree.leaves
         labels = [leaf.label for leaf in leaves]
         if self._encoder is None or not leaves:
-            scores = by_words(text, labels)
+            scores = shared_word_scores(text, labels)
         else:
             rows = np.stack([self._label(label) for label in labels]) - self._label_centre
-            scores = [round(float(c), 4) for c in _cosines(rows, self._vector(text))]
-        order = sorted(range(len(leaves)), key=lambda place: (-scores[place], place))
-        return [leaves[place].id for place in order]
+            cosines = _cosines(rows, self._vector(text))
+            scores = [round(float(cosine), 4) for cosine in cosines]
+        order = sorted(range(len(leaves)), key=lambda index: (-scores[index], index))
+        return [leaves[index].id for index in order]
 
     def learn(self, item: Round, tree: ScenarioTree) -> None:
         """Remember the proposal and the changes of a round that led to a tree."""
@@ -121,7 +120,9 @@ class NoveltyFilter:
         if item.decision == "split":
             whole, old = item.edits[0].node, item.edits[1].node
             self._kinds = [old if kind == whole else kind for kind in self._kinds]
-            self._literal = {k: old if v == whole else v for k, v in self._literal.items()}
+            self._literal = {
+                words: old if kind == whole else kind for words, kind in self._literal.items()
+            }
         if not item.text or item.kind is None:
             return
         self._literal.setdefault(folded_words(item.text), item.kind)
@@ -144,14 +145,14 @@ class NoveltyFilter:
         else:
             self._leaves[node_id] = node.label
 
-    def _judged(
+    def _compared(
         self, cosine: float, node: str, by: Literal["label", "text"], words: str
     ) -> ClosestText:
         similarity = round(cosine, 4)
         return ClosestText(similarity, node, by, words, similarity >= self._limits[by])
 
-    def _excess(self, one: ClosestText) -> float:
-        return (one.similarity or 0.0) - self._limits[one.by or "text"]
+    def _excess(self, closest: ClosestText) -> float:
+        return (closest.similarity or 0.0) - self._limits[closest.by or "text"]
 
     @property
     def _text_centre(self) -> Vector:

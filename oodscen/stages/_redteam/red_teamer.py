@@ -201,7 +201,7 @@ class _Session:
         self.questions: dict[int, ImagineScenario] = {}
         """Questions of the next rounds, made as soon as the tree that they show is known."""
         self._broadened = Counter(edit.node for edit in tree.edits if edit.op == "broaden")
-        self._in_vain: deque[str] = deque(maxlen=5)
+        self._rejected: deque[str] = deque(maxlen=5)
         """The last rejected proposals, which the red-LLM sees."""
         for number in range(1, self.options.in_flight + 1):
             self.questions[number] = self._question(number)
@@ -220,7 +220,7 @@ class _Session:
             self.rarity.add(item)
             self._broadened.update(edit.node for edit in item.edits if edit.op == "broaden")
             if item.text and not any(edit.op in ("add", "broaden") for edit in item.edits):
-                self._in_vain.append(item.text)
+                self._rejected.append(item.text)
         self.questions.pop(item.round, None)
         ahead = item.round + self.options.in_flight
         self.questions[ahead] = self._question(ahead)
@@ -229,17 +229,17 @@ class _Session:
         if not self.options.closed_loop:
             return ImagineScenario(shown=self.options.shown)
         covered, unlisted = list_leaves(self.tree, tokens=self.options.tokens, turn=number - 1)
-        place = corner(self.tree, number, of=self.options.in_flight)
+        family = corner(self.tree, number, of=self.options.in_flight)
         return ImagineScenario(
             shown=self.options.shown,
             catalogue=self.teamer.catalogue,
             covered=covered,
             unlisted=unlisted,
-            thin=() if place else thin(self.tree, turn=number - 1),
-            refused=tuple(self._in_vain),
+            thin=() if family else thin(self.tree, turn=number - 1),
+            refused=tuple(self._rejected),
             least_km=self.rarity.wanted[0],
             most_km=self.rarity.wanted[1],
-            corner=place,
+            corner=family,
         )
 
     def _decide(self, number: int, proposal: _Proposal) -> Round:
@@ -255,19 +255,19 @@ class _Session:
         if proposal.error is not None:
             return Round(**fields | _failure(proposal.error))
         if closed:
-            text = self.novelty.nearness(proposal.text)
+            closest = self.novelty.closest(proposal.text)
             fields |= {
-                "similarity": text.similarity,
-                "nearest": text.node,
-                "nearest_by": text.by,
+                "similarity": closest.similarity,
+                "nearest": closest.node,
+                "nearest_by": closest.by,
             }
-            if text.is_too_near:
-                what = "the leaf" if text.by == "label" else "the earlier proposal"
-                why = f"{text.similarity:.2f} near to {what} {text.words!r}"
-                return Round(**fields, decision="duplicate", reason=why, kind=text.node)
+            if closest.is_too_near:
+                origin = "the leaf" if closest.by == "label" else "the earlier proposal"
+                reason = f"{closest.similarity:.2f} near to {origin} {closest.words!r}"
+                return Round(**fields, decision="duplicate", reason=reason, kind=closest.node)
             fields |= self._rarity_of(proposal)
-            if why := self.rarity.fault(fields["once_in_km"]):
-                return Round(**fields, decision="implausible", reason=why)
+            if reason := self.rarity.fault(fields["once_in_km"]):
+                return Round(**fields, decision="implausible", reason=reason)
         return Round(**fields | self._place(number, proposal))
 
     def _rarity_of(self, proposal: _Proposal) -> dict[str, Any]:
@@ -283,8 +283,8 @@ class _Session:
         counted = _CountingLLM(teamer.llm, proposal.calls)
         attempts = self.progress.attempts(proposal.calls)
         try:
-            question, names = self._where(proposal.text)
-            placed = names.answered(
+            question, names = self._placing_question(proposal.text)
+            placed = names.in_tree(
                 ask(
                     counted,
                     question,
@@ -319,7 +319,7 @@ class _Session:
             "runners_up": runners_up(after, placed),
         }
 
-    def _where(self, text: str) -> tuple[PlaceScenario, Names]:
+    def _placing_question(self, text: str) -> tuple[PlaceScenario, Names]:
         """Return the question about the whole tree, or about the part of a large one that matters for a text.
 
         Ids in the question follow the current labels in full; the names translate those of the answer.
@@ -329,7 +329,7 @@ class _Session:
             tree, lambda: self.novelty.rank_leaves(text, tree), tokens=self.options.tokens
         )
         shown = {node.id for node in part.nodes}
-        often = [
+        full = [
             name
             for name in shown
             if self._broadened[name] >= self.options.broadenings and not tree.children[name]
@@ -338,11 +338,11 @@ class _Session:
             text=text,
             nodes=part.nodes,
             hidden=part.hidden,
-            full=tuple(sorted(often)) if closed else (),
+            full=tuple(sorted(full)) if closed else (),
             procedure="closed" if closed else "paper",
         )
         names = Names.of(tree, shown & self._broadened.keys())
-        return names.asked(question), names
+        return names.in_question(question), names
 
 
 def _misfits(
@@ -351,7 +351,7 @@ def _misfits(
     """Return the faults that only the whole tree reveals, if the question's own check finds none."""
     if question.check(answer):
         return []
-    answer = names.answered(answer)
+    answer = names.in_tree(answer)
     if question.procedure == "paper":
         answer = answer.model_copy(update={"members": []})
     return misfits(tree, answer)

@@ -31,7 +31,7 @@ def test_names_are_unique_follow_the_labels_and_lead_back(labels):
         )
     )
     names = Names.of(tree, nodes)
-    question = names.asked(PlaceScenario(text="A cow.", nodes=tree.nodes, full=nodes))
+    question = names.in_question(PlaceScenario(text="A cow.", nodes=tree.nodes, full=nodes))
     shown = [node.id for node in question.nodes]
     assert len(set(shown)) == len(shown)
     assert set(question.full) <= set(shown)
@@ -47,7 +47,7 @@ def test_names_are_unique_follow_the_labels_and_lead_back(labels):
             members=[node.id],
             also=[{"node": node.id}],
         )
-        back = names.answered(answer)
+        back = names.in_tree(answer)
         assert (back.node, back.members, back.also[0].node) == (before.id, [before.id], before.id)
 
 
@@ -63,7 +63,7 @@ def test_an_id_that_is_cut_ends_with_a_word_and_makes_a_tree(words):
     edit = TreeEdit(op="add", node=TREE.new_id(label), parent="animals", label=label)
     tree = TREE.apply(edit)
     names = Names.of(tree, ())
-    question = names.asked(PlaceScenario(text="A cow.", nodes=tree.nodes))
+    question = names.in_question(PlaceScenario(text="A cow.", nodes=tree.nodes))
     assert len(ScenarioTree.parse({"nodes": question.nodes})) == len(tree)
     (shown,) = set(names.shown.values()) or {edit.node}
     if shown != edit.node:

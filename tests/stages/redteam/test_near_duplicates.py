@@ -24,14 +24,14 @@ def covered(number, text, kind="fog"):
 
 def test_without_an_encoder_only_repetitions_are_found():
     novelty = NoveltyFilter(TREE)
-    assert novelty.nearness("Fog.") == (None, None, None, "", False)
+    assert novelty.closest("Fog.") == (None, None, None, "", False)
     novelty.learn(covered(1, "Thick fog, at night!"), TREE)
-    found = novelty.nearness("thick fog at night")
+    found = novelty.closest("thick fog at night")
     assert (found.similarity, found.node, found.is_too_near) == (1.0, "fog", True)
 
 
 def test_a_leafs_own_label_is_nearest_to_it():
-    found = NoveltyFilter(TREE, HashEncoder()).nearness("Hail stones on the bonnet")
+    found = NoveltyFilter(TREE, HashEncoder()).closest("Hail stones on the bonnet")
     assert (found.node, found.by, found.is_too_near) == ("hail", "label", True)
 
 
@@ -43,13 +43,13 @@ def test_labels_follow_the_tree():
     )
     after = TREE.apply(*edits)
     novelty.learn(Round(round=1, edits=edits, decision="add", kind="sand"), after)
-    assert not novelty.nearness("Thick fog at night").is_too_near
-    assert novelty.nearness("Bad sight").node == "fog"
-    assert novelty.nearness("Sand on the wind").node == "sand"
+    assert not novelty.closest("Thick fog at night").is_too_near
+    assert novelty.closest("Bad sight").node == "fog"
+    assert novelty.closest("Sand on the wind").node == "sand"
     emptied = after.apply(TreeEdit(op="remove", node="sand"))
     gone = Round(round=2, edits=(TreeEdit(op="remove", node="sand"),))
     novelty.learn(gone, emptied)
-    assert novelty.nearness("Sand on the wind").node != "sand"
+    assert novelty.closest("Sand on the wind").node != "sand"
 
 
 def test_of_a_split_leaf_the_old_meaning_keeps_the_proposals():
@@ -63,17 +63,17 @@ def test_of_a_split_leaf_the_old_meaning_keeps_the_proposals():
     )
     after = TREE.apply(*edits)
     novelty.learn(Round(round=2, edits=edits, decision="split", kind="new"), after)
-    assert novelty.nearness(text).node == "old"
-    assert novelty.nearness("Thick fog at night").node == "old"
-    near = novelty.nearness("A wall of mist stands on the long bridge.")
+    assert novelty.closest(text).node == "old"
+    assert novelty.closest("Thick fog at night").node == "old"
+    near = novelty.closest("A wall of mist stands on the long bridge.")
     assert (near.node, near.by) == ("old", "text")
 
 
 def test_what_is_as_near_as_the_limit_is_too_near():
     text = "Hail stones everywhere"
-    found = NoveltyFilter(TREE, HashEncoder(), label=2.0).nearness(text)
+    found = NoveltyFilter(TREE, HashEncoder(), label=2.0).closest(text)
     assert not found.is_too_near
-    assert NoveltyFilter(TREE, HashEncoder(), label=found.similarity).nearness(text).is_too_near
+    assert NoveltyFilter(TREE, HashEncoder(), label=found.similarity).closest(text).is_too_near
 
 
 def test_proposals_are_compared_after_centring_on_all_of_them():
@@ -89,7 +89,7 @@ def test_proposals_are_compared_after_centring_on_all_of_them():
     rows = unit_rows(encoder, [*shown, *told, text])
     rows = rows - rows[:-1].mean(axis=0)
     cosines = rows[2:-1] @ rows[-1] / np.linalg.norm(rows[2:-1], axis=1) / np.linalg.norm(rows[-1])
-    found = novelty.nearness(text)
+    found = novelty.closest(text)
     assert found.by == "text"
     assert found.similarity == round(float(cosines.max()), 4)
 
@@ -106,12 +106,12 @@ def test_the_figures_are_a_function_of_the_log(texts):
     one, two = (NoveltyFilter(TREE, HashEncoder(32)) for _ in range(2))
     for item in log:
         one.learn(item, TREE)
-        one.nearness("Something else altogether.")
+        one.closest("Something else altogether.")
     for item in log:
         two.learn(item, TREE)
     for text in ("A dog.", "Thick fog at night", ""):
-        found = one.nearness(text)
-        assert found == two.nearness(text)
+        found = one.closest(text)
+        assert found == two.closest(text)
         assert found.similarity is not None
         assert -1.0 <= found.similarity <= 1.0
         assert found.similarity == round(found.similarity, 4)
@@ -130,5 +130,5 @@ class Blank:
 def test_texts_without_a_vector_are_near_to_nothing():
     novelty = NoveltyFilter(TREE, Blank())
     novelty.learn(covered(1, "Fog."), TREE)
-    assert novelty.nearness("Dog.").similarity == 0.0
-    assert not novelty.nearness("Dog.").is_too_near
+    assert novelty.closest("Dog.").similarity == 0.0
+    assert not novelty.closest("Dog.").is_too_near
