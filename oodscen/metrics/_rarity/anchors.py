@@ -28,6 +28,8 @@ from oodscen.errors import DataError, Issue
 
 Kind = Literal["own", "occurring", "met"]
 _FEWEST = 6
+"""Rates from which they give a slope."""
+_NOUN = "file of rates"
 _LEAST_KM, _MOST_KM = 0.001, 1e15
 """Range of published rates, km; all that was ever driven on roads is less than 1e15 km."""
 _LEAST_SPREAD = 0.3
@@ -96,10 +98,10 @@ def load_rates(path: str | Path) -> tuple[PublishedRate, ...]:
     Raises:
         DataError: If the file cannot be read or holds no valid rates.
     """
-    return _rates(read_utf8(path, "file of rates"), str(path))
+    return _rates(read_utf8(path, _NOUN), str(path))
 
 
-def chosen_rates(
+def resolve_rates(
     anchors: Sequence[PublishedRate] | str | Path | None,
 ) -> tuple[PublishedRate, ...] | None:
     """Return the rates that a caller names: `published` for the shipped ones, a file, or the rates themselves.
@@ -127,10 +129,10 @@ def anchored(
     """Give the rates that a caller names, and name their file where they turn out to be of no use.
 
     Raises:
-        DataError: As `chosen_rates` does, and for rates that cannot be calibrated on.
+        DataError: As `resolve_rates` does, and for rates that cannot be calibrated on.
         UsageError: If they are no rates.
     """
-    rates = chosen_rates(anchors)
+    rates = resolve_rates(anchors)
     try:
         yield rates
     except DataError as error:
@@ -143,44 +145,42 @@ def _rates(content: str, source: str) -> tuple[PublishedRate, ...]:
     try:
         table = tomllib.loads(content)
     except (ValueError, RecursionError) as error:
-        raise DataError(
-            "file of rates", [Issue("", f"is not TOML: {error}")], source=source
-        ) from None
+        raise DataError(_NOUN, [Issue("", f"is not TOML: {error}")], source=source) from None
     rows = table.pop("rate", None)
     if not isinstance(rows, list) or not rows:
-        raise DataError("file of rates", [Issue("rate", "holds no [[rate]]")], source=source)
+        raise DataError(_NOUN, [Issue("rate", "holds no [[rate]]")], source=source)
     if table:
         unknown = [Issue(name, "is no member of a file of rates") for name in table]
-        raise DataError("file of rates", unknown, source=source)
+        raise DataError(_NOUN, unknown, source=source)
     rates = tuple(
         PublishedRate.parse(row, source=f"{source}, rate {number}")
         for number, row in enumerate(rows, 1)
     )
     counts = Counter(rate.number for rate in rates if rate.number)
-    if twice := [number for number, count in counts.items() if count > 1]:
-        issue = Issue("number", f"stands for more than one rate: {', '.join(map(str, twice))}")
-        raise DataError("file of rates", [issue], source=source)
+    if repeated := [str(number) for number, count in counts.items() if count > 1]:
+        issue = Issue("number", f"stands for more than one rate: {', '.join(repeated)}")
+        raise DataError(_NOUN, [issue], source=source)
     if faults := _contradictions(rates):
-        raise DataError("file of rates", faults, source=source)
+        raise DataError(_NOUN, faults, source=source)
     return rates
 
 
 def _contradictions(rates: Sequence[PublishedRate]) -> list[Issue]:
     """Return the rates whose figures exclude those of rates before them of the same kind and wording."""
-    common: dict[tuple[Kind, str], tuple[float, float]] = {}
+    ranges: dict[tuple[Kind, str], tuple[float, float]] = {}
     faults = []
-    for place, rate in enumerate(rates):
+    for index, rate in enumerate(rates):
         for text in rate.texts:
             key = rate.kind, folded_words(text)
-            least, most = common.get(key, (_LEAST_KM, _MOST_KM))
-            least, most = max(least, rate.km[0]), min(most, rate.km[2])
-            if least <= most:
-                common[key] = least, most
+            least_km, most_km = ranges.get(key, (_LEAST_KM, _MOST_KM))
+            least_km, most_km = max(least_km, rate.km[0]), min(most_km, rate.km[2])
+            if least_km <= most_km:
+                ranges[key] = least_km, most_km
                 continue
             fault = (
                 f"excludes the figures of the rates before it that have the text {cut(text)!r}, too"
             )
-            faults.append(Issue(f"rate[{place}].km", fault))
+            faults.append(Issue(f"rate[{index}].km", fault))
     return faults
 
 
@@ -190,19 +190,18 @@ def calibrate(rates: Sequence[PublishedRate], estimates: Sequence[float]) -> Rat
     Raises:
         DataError: If the rates do not rise with the estimates, or too little or too much for a calibration.
     """
-    fitted = _fit(rates, np.asarray(estimates, np.float64))
-    if not _FLATTEST <= fitted[0] <= _STEEPEST:
-        slope = round(fitted[0], 2) + 0.0
+    slope, offsets = _fit(rates, np.asarray(estimates, np.float64))
+    if not _FLATTEST <= slope <= _STEEPEST:
         fault = (
-            f"do not rise as the estimates of their texts do: their slope is {slope:g}, not from {_FLATTEST:g} to"
+            f"do not rise as the estimates of their texts do: their slope is {round(slope, 2) + 0.0:g}, not from {_FLATTEST:g} to"
             f" {_STEEPEST:g}; correct them, or give fewer than {_FEWEST} to move the offset alone"
         )
         raise DataError("rates", [Issue("km", fault)])
-    before = [abs(x - rate.log10_km) for x, rate in zip(estimates, rates, strict=True)]
+    before = [abs(value - rate.log10_km) for value, rate in zip(estimates, rates, strict=True)]
     after = left_out(rates, estimates)
     return RateCalibration(
-        slope=fitted[0],
-        offsets=fitted[1],
+        slope=slope,
+        offsets=offsets,
         anchors=len(rates),
         factor_before=float(10.0 ** np.median(before)),
         factor_left_out=float(10.0 ** np.median(np.abs(after))) if len(after) else None,
@@ -214,29 +213,32 @@ def left_out(rates: Sequence[PublishedRate], estimates: Sequence[float]) -> NDAr
     if len(rates) < 3:
         return np.empty(0)
     values = np.asarray(estimates, np.float64)
-    found = []
-    for place, rate in enumerate(rates):
-        rest = [published_rate for number, published_rate in enumerate(rates) if number != place]
-        fitted = _fit(rest, np.delete(values, place))
-        found.append(_calibrated(*fitted, values[place], rate.kind) - rate.log10_km)
-    return np.array(found)
+    errors = []
+    for index, rate in enumerate(rates):
+        others = [*rates[:index], *rates[index + 1 :]]
+        slope, offsets = _fit(others, np.delete(values, index))
+        errors.append(_calibrated(slope, offsets, values[index], rate.kind) - rate.log10_km)
+    return np.array(errors)
 
 
 def _calibrated(slope: float, offsets: dict[Kind, float], value: float, kind: Kind) -> float:
-    moved = offsets.get(kind, sum(offsets.values()) / len(offsets)) + slope * value
-    return float(np.clip(moved, np.log10(_LEAST_KM), np.log10(_MOST_KM)))
+    mean_offset = sum(offsets.values()) / len(offsets)
+    calibrated = offsets.get(kind, mean_offset) + slope * value
+    return float(np.clip(calibrated, np.log10(_LEAST_KM), np.log10(_MOST_KM)))
 
 
 def _fit(
     rates: Sequence[PublishedRate], values: NDArray[np.float64]
 ) -> tuple[float, dict[Kind, float]]:
+    """Return slope and offsets by least squares of the rates on the estimates `values`."""
     kinds = list(dict.fromkeys(rate.kind for rate in rates))
-    own = np.array([[rate.kind == kind for kind in kinds] for rate in rates], np.float64)
-    wanted = np.array([rate.log10_km for rate in rates])
+    membership = np.array([[rate.kind == kind for kind in kinds] for rate in rates], np.float64)
+    counts = membership.sum(axis=0)
+    targets = np.array([rate.log10_km for rate in rates])
     slope = 1.0
     if len(rates) >= _FEWEST and len(rates) > len(kinds) + 1:
-        within = values - own @ (own.T @ values / own.sum(axis=0))
+        within = values - membership @ (membership.T @ values / counts)
         if np.sqrt(np.mean(np.square(within))) >= _LEAST_SPREAD:
-            slope = float(within @ wanted / (within @ within))
-    offsets = own.T @ (wanted - slope * values) / own.sum(axis=0)
+            slope = float(within @ targets / (within @ within))
+    offsets = membership.T @ (targets - slope * values) / counts
     return slope, dict(zip(kinds, offsets.tolist(), strict=True))

@@ -8,10 +8,10 @@ from oodscen.errors import DataError, UsageError
 from oodscen.metrics._rarity.anchors import (
     PublishedRate,
     calibrate,
-    chosen_rates,
     left_out,
     load_rates,
     published_rates,
+    resolve_rates,
 )
 
 
@@ -87,11 +87,11 @@ def test_two_rates_of_one_wording_and_kind_share_a_figure():
         worded("a deer jumps out", "met", 40, 50, 60),
         worded("A deer jumps out.", "own", 50, 60, 70),
     ):
-        assert chosen_rates([first, second]) == (first, second)
+        assert resolve_rates([first, second]) == (first, second)
     with pytest.raises(
         DataError, match=r"rate\[1\].km: excludes .* that have the text 'a deer jumps out'"
     ):
-        chosen_rates([first, worded("a deer jumps out", "met", 41, 50, 60)])
+        resolve_rates([first, worded("a deer jumps out", "met", 41, 50, 60)])
 
 
 def test_published_rates_have_sources_and_five_wordings():
@@ -135,13 +135,13 @@ def test_rates_from_a_file(tmp_path):
 
 
 def test_rates_are_named_given_or_in_a_file(tmp_path):
-    assert chosen_rates(None) is None
-    assert chosen_rates("published") == published_rates()
-    assert chosen_rates(list(published_rates())) == published_rates()
+    assert resolve_rates(None) is None
+    assert resolve_rates("published") == published_rates()
+    assert resolve_rates(list(published_rates())) == published_rates()
     with pytest.raises(DataError):
-        chosen_rates([])
+        resolve_rates([])
     with pytest.raises(DataError):
-        chosen_rates(tmp_path / "missing.toml")
+        resolve_rates(tmp_path / "missing.toml")
     for other in (["x"], 5, {"rate": 1.0}):
         with pytest.raises(UsageError, match="anchors"):
-            chosen_rates(other)
+            resolve_rates(other)
