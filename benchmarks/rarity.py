@@ -26,9 +26,10 @@ import numpy as np
 
 from oodscen import Metrics, make_encoder
 from oodscen.baselines import load_controls
-from oodscen.metrics._rarity.anchors import PublishedRate, calibrate, left_out, published_rates
 from oodscen.metrics._rarity.estimates import POPULATION, estimate_anchors
 from oodscen.metrics._rarity.head import estimate, load_head
+from oodscen.metrics._rarity.rate_calibration import calibrate, left_out
+from oodscen.metrics._rarity.rates import PublishedRate, published_rates
 from oodscen.prompts._scenario.estimate_rarity import EstimateRarity
 from oodscen.report._charts.sets import Cloud, scatter
 from oodscen.statistics._auroc import auroc, auroc_interval

@@ -33,10 +33,10 @@ from oodscen.metrics._comparison import Comparison, SetDistance, compare, distan
 from oodscen.metrics._detection.guard import THRESHOLD, OffTopicFlags
 from oodscen.metrics._diversity import Diversity, diversity
 from oodscen.metrics._oodness import Definition, Measure, Oodness, oodness
-from oodscen.metrics._rarity.anchors import PublishedRate, anchored
 from oodscen.metrics._rarity.asking import DRAWS, ask_rarity
 from oodscen.metrics._rarity.estimates import Rarity, estimate_rarity
 from oodscen.metrics._rarity.exposure import Exposure, check_choices, exposure
+from oodscen.metrics._rarity.rates import PublishedRate, anchored
 from oodscen.metrics._report import BaselineBatch, MetricsReport, baseline_batch, report
 from oodscen.metrics._scored_file import score_file
 from oodscen.metrics._selection import Band, BandMeasure, Method, Selection, band, select

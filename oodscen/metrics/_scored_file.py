@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from oodscen.baselines._reading import Record, read_records
 from oodscen.errors import UsageError
 from oodscen.metrics._oodness import Definition
-from oodscen.metrics._rarity.anchors import PublishedRate
+from oodscen.metrics._rarity.rates import PublishedRate
 from oodscen.metrics._report import MetricsReport
 from oodscen.metrics._selection import Band
 from oodscen.protocols import LLM

@@ -8,7 +8,6 @@ import numpy as np
 from oodscen.errors import AnswerError, ContentFiltered
 from oodscen.llm._ask import ask, speaker
 from oodscen.llm._call_log import Call, LoggedLLM
-from oodscen.metrics._rarity.anchors import PublishedRate
 from oodscen.metrics._rarity.estimates import (
     POPULATION,
     UNTOLD,
@@ -17,6 +16,7 @@ from oodscen.metrics._rarity.estimates import (
     TextRarity,
     gather_rarity,
 )
+from oodscen.metrics._rarity.rates import PublishedRate
 from oodscen.prompts._scenario.estimate_rarity import EstimateRarity, RarityEstimate
 from oodscen.protocols import LLM
 

@@ -12,9 +12,10 @@ from oodscen.data._base import Data
 from oodscen.encoders._check import unit_embeddings
 from oodscen.encoders._similarity import Vectors
 from oodscen.errors import DataError, Issue
-from oodscen.metrics._rarity.anchors import PublishedRate, RateCalibration, calibrate
 from oodscen.metrics._rarity.head import Estimates, Head, estimate, load_head
 from oodscen.metrics._rarity.plausibility import is_impossible, names_event, parts
+from oodscen.metrics._rarity.rate_calibration import RateCalibration, calibrate
+from oodscen.metrics._rarity.rates import PublishedRate
 from oodscen.metrics._rarity.subject import is_number, names_road, repeats_word
 from oodscen.protocols import Encoder
 
