@@ -26,9 +26,10 @@ import numpy as np
 
 from oodscen import Metrics, make_encoder
 from oodscen.baselines import load_controls
-from oodscen.metrics._rarity.anchors import PublishedRate, calibrate, left_out, published_rates
-from oodscen.metrics._rarity.estimates import POPULATION, anchor_estimates
-from oodscen.metrics._rarity.head import estimated, load_head
+from oodscen.metrics._rarity.estimates import POPULATION, estimate_anchors
+from oodscen.metrics._rarity.head import estimate, load_head
+from oodscen.metrics._rarity.rate_calibration import calibrate, left_out
+from oodscen.metrics._rarity.rates import PublishedRate, published_rates
 from oodscen.prompts._scenario.estimate_rarity import EstimateRarity
 from oodscen.report._charts.sets import Cloud, scatter
 from oodscen.statistics._auroc import auroc, auroc_interval
@@ -68,7 +69,7 @@ class Bench:
 
     def best(self, texts: Sequence[str]) -> np.ndarray:
         """Return the head's estimates, also of texts that `Metrics.rarity` would give no figure."""
-        return estimated(self.metrics.encoder.name, texts, self.metrics.vectors)[1].best
+        return estimate(self.metrics.encoder.name, texts, self.metrics.vectors)[1].best
 
     def rows_of(self, *names: str) -> list[dict]:
         """Return the rated lines of files; empty without the corpora."""
@@ -171,7 +172,7 @@ def model(bench: Bench) -> list[Row]:
 def anchors(bench: Bench) -> list[Row]:
     """Compare the head, and a model's recorded answers, with published rates before and after calibration."""
     rates = published_rates()
-    rows = _calibrated("head", rates, anchor_estimates(bench.metrics._space, rates))
+    rows = _calibrated("head", rates, estimate_anchors(bench.metrics._space, rates))
     files = [(bench.asked.recordings or Path()) / f"{name}.jsonl" for name in ANCHOR_DRAWS]
     if bench.asked.recordings is None or not all(file.exists() for file in files):
         return [*rows, not_run("model: median error left out", "<= 5")]
@@ -262,7 +263,7 @@ def style(bench: Bench) -> list[Row]:
 def picture(bench: Bench, file: Path) -> None:
     """Draw the head's estimates against the published rates, by kind."""
     rates = published_rates()
-    own = anchor_estimates(bench.metrics._space, rates)
+    own = estimate_anchors(bench.metrics._space, rates)
     clouds = [
         Cloud(
             kind, [(x, one.log10_km) for x, one in zip(own, rates, strict=True) if one.kind == kind]

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from oodscen.metrics._vectors.space import BaselineSpace
 
 Paths = Sequence[str] | None
+"""The path of each text of a set, by which texts are permuted; `None` permutes single texts."""
 
 
 class Contrast(Data):
@@ -111,17 +112,17 @@ def compare(
         raise UsageError(f"{len(a)} and {len(b)} texts are not matched pairs")
     whole_number("repeats", repeats, 1)
     drawn = _drawn_size(len(a), len(b), size)
-    values = [space.scores(texts, definition) for texts in sets]
-    names = ("pairs", "pairs") if paired else ("a", "b")
+    scores = [space.scores(texts, definition) for texts in sets]
+    streams = ("pairs", "pairs") if paired else ("a", "b")
     figures = [
-        _subsamples(space, name, texts, own, drawn, repeats)
-        for name, texts, own in zip(names, sets, values, strict=True)
+        _subsamples(space, name, texts, set_scores, drawn, repeats)
+        for name, texts, set_scores in zip(streams, sets, scores, strict=True)
     ]
     if paired:
-        gaps = values[0] - values[1]
+        gaps = scores[0] - scores[1]
         p_value = sign_flip(gaps, paths[0], seed=space.seed, replicates=PERMUTATIONS)
     else:
-        p_value = permutation_test(values[0], values[1], paths, seed=space.seed)
+        p_value = permutation_test(scores[0], scores[1], paths, seed=space.seed)
     oodness, nearest, pairwise = (_contrast(*pair) for pair in zip(*figures, strict=True))
     return Comparison(
         size=drawn,
@@ -147,16 +148,16 @@ def distance(
     whole_number("repeats", repeats, 1)
     drawn = _drawn_size(len(first), len(second), size)
     draws = stream(space.seed, "distance")
-    found = []
+    figures = []
     for _ in range(repeats):
-        one, other = (rows[draws.permutation(len(rows))[:drawn]] for rows in (first, second))
-        found.append((mmd(one, other), frechet(one, other)))
-    squared, moments = np.array(found).T
+        a, b = _draw(draws, first, drawn), _draw(draws, second, drawn)
+        figures.append((mmd(a, b), frechet(a, b)))
+    mmds, frechets = np.array(figures).T
     return SetDistance(
-        mmd=float(squared.mean()),
-        mmd_spread=float(squared.std()),
-        frechet=float(moments.mean()),
-        frechet_spread=float(moments.std()),
+        mmd=float(mmds.mean()),
+        mmd_spread=float(mmds.std()),
+        frechet=float(frechets.mean()),
+        frechet_spread=float(frechets.std()),
         size=drawn,
         repeats=repeats,
         n_a=len(first),
@@ -164,6 +165,12 @@ def distance(
         encoder=space.encoder.name,
         seed=space.seed,
     )
+
+
+def _draw(draws: np.random.Generator, rows: Vectors, size: int) -> Vectors:
+    """Return random rows; all of them keep their order, on which the last bits of a distance depend."""
+    order = draws.permutation(len(rows))
+    return rows if size == len(rows) else rows[order[:size]]
 
 
 def _drawn_size(n: int, m: int, size: int | None) -> int:
@@ -185,17 +192,17 @@ def _subsamples(
     space: "BaselineSpace",
     name: str,
     texts: Sequence[str],
-    values: NDArray[np.float64],
+    scores: NDArray[np.float64],
     size: int,
     repeats: int,
-) -> np.ndarray:
+) -> NDArray[np.float64]:
     """Return OOD-ness and both diversities of the draws from one set: [3, repeats]."""
     vectors = space.vectors(texts)
     if size == len(texts):
-        return np.repeat([_figures(vectors, values)], repeats, axis=0).T
+        return np.repeat([_figures(vectors, scores)], repeats, axis=0).T
     draws = stream(space.seed, "compare", name)
-    chosen = (draws.permutation(len(texts))[:size] for _ in range(repeats))
-    return np.array([_figures(vectors[rows], values[rows]) for rows in chosen]).T
+    samples = (draws.permutation(len(texts))[:size] for _ in range(repeats))
+    return np.array([_figures(vectors[rows], scores[rows]) for rows in samples]).T
 
 
 def _figures(vectors: Vectors, oodness: NDArray[np.float64]) -> tuple[float, float, float]:
@@ -203,7 +210,7 @@ def _figures(vectors: Vectors, oodness: NDArray[np.float64]) -> tuple[float, flo
     return float(oodness.mean()), -mean_nearest(vectors), -mean_pairwise(vectors)
 
 
-def _contrast(a: np.ndarray, b: np.ndarray) -> Contrast:
+def _contrast(a: NDArray[np.float64], b: NDArray[np.float64]) -> Contrast:
     low, high = np.quantile(a - b, [0.025, 0.975])
     return Contrast(
         a=float(a.mean()),

@@ -65,14 +65,14 @@ def diversity(
         reason = "one text has no other to differ from"
         return Diversity(n=n, encoder=encoder, seed=seed, reason=reason)
     nearest = nearest_other(vectors)
-    spread = bootstrap_pairwise(vectors, clusters, seed=seed)
-    if spread is not None:
-        spread = spread.model_copy(update={"low": -spread.high, "high": -spread.low})
+    interval = bootstrap_pairwise(vectors, clusters, seed=seed)
+    if interval is not None:
+        interval = interval.model_copy(update={"low": -interval.high, "high": -interval.low})
     return Diversity(
         nearest=0.0 - float(nearest.cosine.mean()),
         pairwise=0.0 - mean_pairwise(vectors),
         nearest_interval=bootstrap_mean(0.0 - nearest.cosine, clusters, seed=seed),
-        pairwise_interval=spread,
+        pairwise_interval=interval,
         nearest_index=tuple(nearest.index.tolist()),
         n=n,
         encoder=encoder,

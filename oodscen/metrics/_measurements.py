@@ -30,9 +30,11 @@ BEST: Final[Measure] = "events"
 """The detector that separates the controls best; see `docs/metrics.md`."""
 
 _SHOWN = 400
+"""Points or scores of a set that a picture shows at most."""
 _SIZES = 9
 _REPEATS = 8
 _LARGEST = 1000
+"""Sizes, subsets of a size, and largest size of the curves of diversity."""
 
 
 class OodnessPicture(Data):
@@ -126,12 +128,12 @@ class Measurements(Data):
 
     @model_validator(mode="after")
     def _draws_every_set(self) -> Self:
-        for place, drawn, needed in (
+        for field, drawn, needed in (
             ("pictures.detector.sets", self.pictures.detector.sets, {*self.sets}),
             ("pictures.map.points", self.pictures.map.points, {*self.sets, "baseline"}),
         ):
-            if lost := sorted(needed - {*drawn}):
-                raise ValueError(f"{place} lacks {lost[0]!r}")
+            if missing := sorted(needed - {*drawn}):
+                raise ValueError(f"{field} lacks {missing[0]!r}")
         return self
 
 
@@ -144,7 +146,10 @@ def measurements(
 
     Texts of one leaf are resampled together. `leaves` are the labels of the diverse tree's leaves by id.
     """
-    known = {name: texts for name, texts in sets.items() if texts}
+    filled = {name: texts for name, texts in sets.items() if texts}
+    paths = None
+    if leaves:
+        paths = TreeRarity(leaves=tuple(leaves), rarity=metrics.rarity([*leaves.values()]))
     return Measurements(
         encoder=metrics.encoder.name,
         baseline=BaselineUsed(
@@ -154,29 +159,28 @@ def measurements(
         ),
         sets={
             name: metrics.report(
-                [text.text for text in texts], groups=[text.leaf for text in texts]
+                [scenario.text for scenario in texts],
+                groups=[scenario.leaf for scenario in texts],
             )
-            for name, texts in known.items()
+            for name, texts in filled.items()
         },
         baseline_batch=metrics.baseline_batch(min(paper.BATCH, max(1, len(metrics.baseline) // 2))),
         baseline_diversity=metrics.baseline_diversity(),
-        pictures=picture_data(metrics, known),
-        paths=TreeRarity(leaves=tuple(leaves), rarity=metrics.rarity([*leaves.values()]))
-        if leaves
-        else None,
+        pictures=picture_data(metrics, filled),
+        paths=paths,
     )
 
 
 def picture_data(metrics: Metrics, sets: Mapping[str, Sequence[str | Scenario]]) -> Pictures:
     """Return the data for the report's pictures of the metrics; every set needs at least one text."""
-    vectors = {name: metrics.vectors(texts) for name, texts in sets.items()}
-    known = {"baseline": metrics.baseline_vectors, **vectors}
+    vectors = {"baseline": metrics.baseline_vectors}
+    vectors |= {name: metrics.vectors(texts) for name, texts in sets.items()}
     control = np.array(metrics.control_scores(BEST))
     held_out = np.array(metrics.held_out_scores())
     return Pictures(
         oodness=OodnessPicture(
             control=_rounded(np.array(metrics.control_scores())),
-            held_out=_rounded(_some(held_out, metrics.seed, "held-out")),
+            held_out=_rounded(_sample(held_out, metrics.seed, "held-out")),
         ),
         detector=DetectorPicture(
             name=BEST,
@@ -184,13 +188,15 @@ def picture_data(metrics: Metrics, sets: Mapping[str, Sequence[str | Scenario]])
             sets={name: _detected(metrics, texts, control) for name, texts in sets.items()},
         ),
         curves={
-            name: _curve(rows, metrics.seed, name) for name, rows in known.items() if len(rows) > 1
+            name: _curve(rows, metrics.seed, name)
+            for name, rows in vectors.items()
+            if len(rows) > 1
         },
-        map=_map(known, metrics.seed),
+        map=_map(vectors, metrics.seed),
     )
 
 
-def size_curve_of(
+def size_curve(
     rows: Vectors, seed: int, name: str, *, count: int, repeats: int, most: int
 ) -> tuple[list[int], NDArray[np.float64], NDArray[np.float64]]:
     """Return both diversities of random subsets of growing size.
@@ -210,13 +216,11 @@ def size_curve_of(
     draws = stream(seed, "size-curve", name)
     means, spreads = [], []
     for size in sizes:
-        parts = [
-            rows[draws.permutation(len(rows))[:size]]
-            for _ in range(1 if size == len(rows) else repeats)
-        ]
-        both = [(-mean_nearest(part), -mean_pairwise(part)) for part in parts]
-        means.append(np.mean(both, axis=0))
-        spreads.append(np.std(both, axis=0))
+        times = 1 if size == len(rows) else repeats
+        parts = [rows[draws.permutation(len(rows))[:size]] for _ in range(times)]
+        diversities = [(-mean_nearest(part), -mean_pairwise(part)) for part in parts]
+        means.append(np.mean(diversities, axis=0))
+        spreads.append(np.std(diversities, axis=0))
     return sizes, np.array(means).T, np.array(spreads).T
 
 
@@ -224,8 +228,8 @@ def _detected(
     metrics: Metrics, texts: Sequence[str | Scenario], control: NDArray[np.float64]
 ) -> DetectorScores:
     values = np.array(metrics.oodness(texts, BEST).per_text)
-    paths = [item.leaf for item in texts if isinstance(item, Scenario)]
-    clusters = paths if len(paths) == len(texts) else None
+    leaves = [text.leaf for text in texts if isinstance(text, Scenario)]
+    clusters = leaves if len(leaves) == len(texts) else None
     return DetectorScores(
         mean=float(values.mean()),
         per_text=_rounded(values),
@@ -234,22 +238,23 @@ def _detected(
 
 
 def _curve(rows: Vectors, seed: int, name: str) -> SizeCurve:
-    sizes, (nearest, pairwise), _ = size_curve_of(
+    sizes, (nearest, pairwise), _ = size_curve(
         rows, seed, name, count=_SIZES, repeats=_REPEATS, most=_LARGEST
     )
     return SizeCurve(sizes=tuple(sizes), nearest=_rounded(nearest), pairwise=_rounded(pairwise))
 
 
-def _map(known: Mapping[str, Vectors], seed: int) -> MapPicture:
-    mean, axes, share = principal_axes(known["baseline"])
+def _map(vectors: Mapping[str, Vectors], seed: int) -> MapPicture:
+    mean, axes, share = principal_axes(vectors["baseline"])
     points = {}
-    for name, rows in known.items():
-        placed = (_some(rows, seed, "map", name) - mean) @ axes.T
-        points[name] = tuple((round(float(x), 3), round(float(y), 3)) for x, y in placed)
+    for name, rows in vectors.items():
+        coordinates = (_sample(rows, seed, "map", name) - mean) @ axes.T
+        points[name] = tuple((round(float(x), 3), round(float(y), 3)) for x, y in coordinates)
     return MapPicture(share=_rounded(share), points=points)
 
 
-def _some(rows: np.ndarray, seed: int, *keys: str) -> np.ndarray:
+def _sample(rows: np.ndarray, seed: int, *keys: str) -> np.ndarray:
+    """Return the rows that a picture shows, in their order: all, or a random sample of them."""
     if len(rows) <= _SHOWN:
         return rows
     return rows[np.sort(stream(seed, "pictures", *keys).permutation(len(rows))[:_SHOWN])]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen._arguments import checked, instances_of
+from oodscen._arguments import checked
 from oodscen._display import Brief
 from oodscen._members import conforming
 from oodscen._numbers import finite_number, said, seed_number, whole_number
@@ -34,14 +34,14 @@ from oodscen.metrics._comparison import Comparison, SetDistance, compare, distan
 from oodscen.metrics._detection.guard import THRESHOLD, OffTopicFlags
 from oodscen.metrics._diversity import Diversity, diversity
 from oodscen.metrics._oodness import Definition, Measure, Oodness, oodness
-from oodscen.metrics._rarity.anchors import PublishedRate, anchored
-from oodscen.metrics._rarity.asking import ask_rarity
+from oodscen.metrics._rarity.asking import DRAWS, ask_rarity
 from oodscen.metrics._rarity.estimates import Rarity, estimate_rarity
-from oodscen.metrics._rarity.exposure import Exposure, exposure
+from oodscen.metrics._rarity.exposure import Exposure, check_choices, exposure
+from oodscen.metrics._rarity.rates import PublishedRate, anchored
 from oodscen.metrics._report import BaselineBatch, MetricsReport, baseline_batch, report
 from oodscen.metrics._scored_file import score_file
 from oodscen.metrics._selection import Band, BandMeasure, Method, Selection, band, select
-from oodscen.metrics._table import Table, paper_table
+from oodscen.metrics._table import SIZES, Table, paper_table
 from oodscen.metrics._variety import Variety, variety
 from oodscen.metrics._vectors.space import BaselineSpace
 from oodscen.protocols import LLM, Encoder
@@ -87,8 +87,8 @@ class Metrics(Brief):
         baseline: Baseline | EmbeddedBaseline | Path = self.baseline
         if isinstance(baseline, EmbeddedBaseline):
             baseline = baseline.path.absolute()
-        make = partial(type(self), seed=self.seed, device=self._space.device)
-        return make, (self.encoder, baseline)
+        construct = partial(type(self), seed=self.seed, device=self._space.device)
+        return construct, (self.encoder, baseline)
 
     def oodness(self, texts: Texts, definition: Measure = "tabulated") -> Oodness:
         """Return the distance of texts from the baseline: `-max_i cos(e_b,i, e_o,j)` and its mean.
@@ -110,7 +110,7 @@ class Metrics(Brief):
         llm: LLM | None = None,
         *,
         anchors: Sequence[PublishedRate] | str | Path | None = None,
-        draws: int = 3,
+        draws: int = DRAWS,
     ) -> Rarity:
         """Return the expected kilometres between two meetings with each kind of situation, with intervals.
 
@@ -123,16 +123,16 @@ class Metrics(Brief):
 
         Raises:
             DataError: If there is no text, one is blank, or the anchors are not valid rates.
+            UsageError: If `draws` is not a whole number from 1 to 100.
             EncoderError: If the encoder fails.
             LLMError: If the model cannot be reached; answers without a figure are flagged instead.
         """
         plain = check_texts(texts)
+        draws = whole_number("draws", draws, 1, 100)
         with anchored(anchors) as rates:
             if llm is None:
                 return estimate_rarity(self._space, plain, rates)
-            model = conforming("llm", llm)
-            count = whole_number("draws", draws, 1, 100)
-            return ask_rarity(model, plain, anchors=rates, draws=count)
+            return ask_rarity(conforming("llm", llm), plain, anchors=rates, draws=draws)
 
     def exposure(
         self,
@@ -157,8 +157,9 @@ class Metrics(Brief):
             UsageError: If there is not one choice per text, or one is neither true nor false.
             DataError: As for `rarity`, which also lists the other errors.
         """
-        instances_of("chosen", chosen, bool, np.bool_)
-        return exposure(self.rarity(texts, llm, anchors=anchors).per_text, chosen)
+        plain = check_texts(texts)
+        check_choices(chosen, len(plain))  # Before a model is asked.
+        return exposure(self.rarity(plain, llm, anchors=anchors).per_text, chosen)
 
     def diversity(self, texts: Texts) -> Diversity:
         """Return how much texts differ from one another, by both definitions.
@@ -201,8 +202,8 @@ class Metrics(Brief):
         plain = check_texts(texts)
         clusters = _paths(texts) if groups is None else tuple(map(_group, groups))
         if clusters is not None and len(clusters) != len(plain):
-            fault = f"has {len(clusters)} labels for {len(plain)} texts"
-            raise DataError("groups", [Issue("", fault)])
+            issue = Issue("", f"has {len(clusters)} labels for {len(plain)} texts")
+            raise DataError("groups", [issue])
         with reporting(progress) as report_progress:
             return report(
                 self._space, plain, clusters, definition, checks=checks, progress=report_progress
@@ -336,7 +337,7 @@ class Metrics(Brief):
         """
         size = whole_number("size", size, 1)
         repeats = whole_number("repeats", repeats, 1)
-        if not size < len(self.baseline):
+        if size >= len(self.baseline):
             raise UsageError(
                 f"{repeats} batches of {size} cannot be drawn from {len(self.baseline)} baseline texts"
             )
@@ -355,7 +356,7 @@ class Metrics(Brief):
         vectors = self._space.whole
         if sample is not None:
             sample = whole_number("sample", sample, 1)
-            if not sample <= len(vectors):
+            if sample > len(vectors):
                 raise UsageError(
                     f"{sample} texts cannot be drawn from {len(vectors)} baseline texts"
                 )
@@ -399,7 +400,7 @@ class Metrics(Brief):
         return write_embeddings(path, self.encoder, texts)
 
     def paper_table(
-        self, texts: Texts, *, sizes: Sequence[int] = (10, 100, 1000), repeats: int = 10
+        self, texts: Texts, *, sizes: Sequence[int] = SIZES, repeats: int = 10
     ) -> Table:
         """Return the paper's table: batches of the baseline, and random draws of the texts by size.
 
@@ -512,5 +513,5 @@ def _group(label: object) -> str:
 
 def _paths(texts: Texts) -> tuple[str, ...] | None:
     """Return the path of each text, for clustering; `None` unless all are scenarios with a path."""
-    paths = [_group(item.path) for item in texts if isinstance(item, Scenario) and item.path]
+    paths = [_group(text.path) for text in texts if isinstance(text, Scenario) and text.path]
     return tuple(paths) if len(paths) == len(texts) else None

@@ -26,7 +26,7 @@ from pydantic import Field, model_validator
 
 from oodscen.data._base import Data
 from oodscen.data._issues import same_length
-from oodscen.encoders._similarity import Rows, Vectors, nearest, smallest
+from oodscen.encoders._similarity import Nearest, Rows, Vectors, nearest, smallest
 from oodscen.errors import UnknownComponent
 from oodscen.statistics._intervals import Interval
 from oodscen.statistics._resampling import bootstrap_mean
@@ -96,21 +96,27 @@ def oodness(
     definition: Measure,
 ) -> Oodness:
     """Return the OOD-ness of a set of texts by a definition or a detector; see `Metrics.oodness`."""
-    found = space.nearest(space.vectors(texts))
-    values = 0.0 - found.cosine if definition == "tabulated" else space.scores(texts, definition)
-    known = space.baseline.texts
-    neighbours = tuple(
-        NearestText(index=index, text=known[index] if known else "", cosine=cosine)
-        for index, cosine in zip(found.index.tolist(), found.cosine.tolist(), strict=True)
-    )
+    neighbours = space.nearest(space.vectors(texts))
+    if definition == "tabulated":
+        values = 0.0 - neighbours.cosine
+    else:
+        values = space.scores(texts, definition)
     return Oodness(
         mean=float(values.mean()),
         per_text=tuple(values.tolist()),
-        nearest=neighbours,
+        nearest=_nearest_texts(neighbours, space.baseline.texts),
         interval=bootstrap_mean(values, clusters, seed=space.seed),
         n=len(texts),
         N=len(space.baseline),
         definition=definition,
         encoder=space.encoder.name,
         seed=space.seed,
+    )
+
+
+def _nearest_texts(neighbours: Nearest, baseline: Sequence[str]) -> tuple[NearestText, ...]:
+    pairs = zip(neighbours.index.tolist(), neighbours.cosine.tolist(), strict=True)
+    return tuple(
+        NearestText(index=index, text=baseline[index] if baseline else "", cosine=cosine)
+        for index, cosine in pairs
     )

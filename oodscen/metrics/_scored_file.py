@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from oodscen.baselines._reading import Record, read_records
 from oodscen.errors import UsageError
 from oodscen.metrics._oodness import Definition
-from oodscen.metrics._rarity.anchors import PublishedRate
+from oodscen.metrics._rarity.rates import PublishedRate
 from oodscen.metrics._report import MetricsReport
 from oodscen.metrics._selection import Band
 from oodscen.protocols import LLM
@@ -26,19 +26,20 @@ def score_file(
     anchors: Sequence[PublishedRate] | None,
 ) -> MetricsReport:
     """Return rarity, OOD-ness and diversity of the texts in a file; see `Metrics.score_file`."""
-    records, kept = read_records(path), None
+    records = read_records(path)
+    texts_inside = None
     if band is not None:
-        kept = _inside(metrics, records, band, definition)
-        records = [records[index] for index in kept.indices]
+        texts_inside = _texts_inside(metrics, records, band, definition)
+        records = [records[index] for index in texts_inside.indices]
     texts = [record.text for record in records]
     report = metrics.report(texts, _groups(records), definition=definition)
-    update: dict[str, object] = {"band": kept}
+    update: dict[str, object] = {"band": texts_inside}
     if llm is not None or anchors is not None:
         update["rarity"] = metrics.rarity(texts, llm, anchors=anchors)
     return report.model_copy(update=update)
 
 
-def _inside(
+def _texts_inside(
     metrics: "Metrics",
     records: Sequence[Record],
     bounds: tuple[float, float],
@@ -48,10 +49,10 @@ def _inside(
     texts = [record.text for record in records]
     band = metrics.band(texts, *bounds, definition=definition)
     if not band.texts:
-        known = [value for value in band.scores if value is not None]
+        scores = [score for score in band.scores if score is not None]
         raise UsageError(
             f"none of the {len(texts)} texts has an OOD-ness in [{bounds[0]}, {bounds[1]}]; "
-            f"theirs lie in [{min(known):.3f}, {max(known):.3f}]"
+            f"theirs lie in [{min(scores):.3f}, {max(scores):.3f}]"
         )
     return band
 

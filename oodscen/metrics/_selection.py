@@ -36,7 +36,8 @@ if TYPE_CHECKING:
 
 Method = Literal["max-min", "determinantal", "commonest", "rarest"]
 BandMeasure = Measure | Literal["rarity"]
-_GONE = np.float32(1e-5)
+_NO_VOLUME = np.float32(1e-5)
+"""Squared length of a residual up to which its row adds no volume."""
 
 
 class Band(Data):
@@ -84,22 +85,22 @@ def band(
         if bound not in (-math.inf, math.inf):
             finite_number(name, bound)
     if not low <= high:
-        raise UsageError(f"the band's lower bound {low} is not below its upper bound {high}")
-    values: list[float | None] = (
-        [rarity.best for rarity in estimate_rarity(space, texts).per_text]
-        if definition == "rarity"
-        else space.scores(texts, definition).tolist()
-    )
-    known = [(i, value) for i, value in enumerate(values) if value is not None]
-    inside = tuple(i for i, value in known if low <= value <= high)
+        raise UsageError(f"the band's lower bound {low} is above its upper bound {high}")
+    values: Sequence[float | None]
+    if definition == "rarity":
+        values = _best_rarities(space, texts)
+    else:
+        values = space.scores(texts, definition).tolist()
+    scored = [(index, value) for index, value in enumerate(values) if value is not None]
+    inside = tuple(index for index, value in scored if low <= value <= high)
     return Band(
         low=low if math.isfinite(low) else None,
         high=high if math.isfinite(high) else None,
-        texts=tuple(texts[i] for i in inside),
+        texts=tuple(texts[index] for index in inside),
         indices=inside,
         scores=tuple(values),
-        below=sum(value < low for _, value in known),
-        above=sum(value > high for _, value in known),
+        below=sum(value < low for _, value in scored),
+        above=sum(value > high for _, value in scored),
     )
 
 
@@ -109,7 +110,7 @@ def select(space: "BaselineSpace", inside: Band, n: int, method: Method) -> Sele
     Raises:
         UsageError: If fewer lie inside, or fewer have a rarity.
     """
-    if not n <= len(inside.indices):
+    if n > len(inside.indices):
         raise UsageError(
             f"{n} texts cannot be chosen: {len(inside.indices)} of {len(inside.scores)} lie inside the band; "
             "widen it, or choose fewer"
@@ -119,8 +120,8 @@ def select(space: "BaselineSpace", inside: Band, n: int, method: Method) -> Sele
     else:
         chosen = most_diverse(space.vectors(inside.texts), n, method)
     return Selection(
-        texts=tuple(inside.texts[place] for place in chosen),
-        indices=tuple(inside.indices[place] for place in chosen),
+        texts=tuple(inside.texts[index] for index in chosen),
+        indices=tuple(inside.indices[index] for index in chosen),
         method=method,
         low=inside.low,
         high=inside.high,
@@ -132,13 +133,20 @@ def select(space: "BaselineSpace", inside: Band, n: int, method: Method) -> Sele
 def _by_exposure(
     space: "BaselineSpace", texts: Sequence[str], n: int, *, is_rarest: bool
 ) -> NDArray[np.int64]:
-    found = [rarity.best for rarity in estimate_rarity(space, texts).per_text]
-    known = [
-        (-value if is_rarest else value, i) for i, value in enumerate(found) if value is not None
-    ]
-    if len(known) < n:
-        raise UsageError(f"{n} texts cannot be chosen: only {len(known)} have a rarity")
-    return np.array([place for _, place in sorted(known)[:n]], np.int64)
+    """Return the indices of the n commonest or rarest texts, of texts met as often the first."""
+    sign = -1.0 if is_rarest else 1.0
+    ranked = sorted(
+        (sign * log10_km, index)
+        for index, log10_km in enumerate(_best_rarities(space, texts))
+        if log10_km is not None
+    )
+    if len(ranked) < n:
+        raise UsageError(f"{n} texts cannot be chosen: only {len(ranked)} have a rarity")
+    return np.array([index for _, index in ranked[:n]], np.int64)
+
+
+def _best_rarities(space: "BaselineSpace", texts: Sequence[str]) -> list[float | None]:
+    return [rarity.best for rarity in estimate_rarity(space, texts).per_text]
 
 
 def most_diverse(vectors: Vectors, n: int, method: Method = "max-min") -> NDArray[np.int64]:
@@ -162,14 +170,15 @@ def most_diverse(vectors: Vectors, n: int, method: Method = "max-min") -> NDArra
 
 def _spread(rows: Vectors, chosen: list[int], n: int) -> NDArray[np.int64]:
     """Return the chosen rows followed by those that lie farthest from them, n in all."""
-    found: list[int] = []
-    near = np.full(len(rows), -np.inf, np.float32)
-    while len(found) < n:
-        place = chosen[len(found)] if len(found) < len(chosen) else int(near.argmin())
-        found.append(place)
-        np.maximum(near, rows @ rows[place], out=near)
-        near[place] = np.inf
-    return np.array(found, np.int64)
+    indices: list[int] = []
+    largest_cosine = np.full(len(rows), -np.inf, np.float32)
+    while len(indices) < n:
+        is_given = len(indices) < len(chosen)
+        index = chosen[len(indices)] if is_given else int(largest_cosine.argmin())
+        indices.append(index)
+        np.maximum(largest_cosine, rows @ rows[index], out=largest_cosine)
+        largest_cosine[index] = np.inf
+    return np.array(indices, np.int64)
 
 
 def _spanning(rows: Vectors, first: int, n: int) -> list[int]:
@@ -179,23 +188,23 @@ def _spanning(rows: Vectors, first: int, n: int) -> list[int]:
     kernel has on its diagonal. Directions of d values thus replace its columns of m values.
     """
     most = min(n, rows.shape[1])
-    left = np.square(rows).sum(axis=1)
+    residual = np.square(rows).sum(axis=1)
     directions = np.zeros((most, rows.shape[1]), np.float32)
-    found: list[int] = []
-    place = first
-    while len(found) < most and left[place] > _GONE:
-        own = rows[place].astype(np.float64)
-        known = directions[: len(found)].astype(np.float64)
+    chosen: list[int] = []
+    index = first
+    while len(chosen) < most and residual[index] > _NO_VOLUME:
+        basis = directions[: len(chosen)].astype(np.float64)
+        direction = rows[index].astype(np.float64)
         # Twice, because one Gram-Schmidt pass loses rows that are nearly spanned.
-        own -= known.T @ (known @ own)
-        own -= known.T @ (known @ own)
-        length = float(np.linalg.norm(own))
-        if length**2 <= _GONE:
-            left[place] = 0.0
+        direction -= basis.T @ (basis @ direction)
+        direction -= basis.T @ (basis @ direction)
+        length = float(np.linalg.norm(direction))
+        if length**2 <= _NO_VOLUME:
+            residual[index] = 0.0
         else:
-            directions[len(found)] = own / length
-            left -= np.square(rows @ directions[len(found)])
-            found.append(place)
-        left[found] = -np.inf
-        place = int(left.argmax())
-    return found
+            directions[len(chosen)] = direction / length
+            residual -= np.square(rows @ directions[len(chosen)])
+            chosen.append(index)
+        residual[chosen] = -np.inf
+        index = int(residual.argmax())
+    return chosen

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from oodscen.metrics._metrics import Metrics
 
 SIZES = (10, 100, 1000)
+"""Numbers of texts in the paper's table."""
+_BATCH = 100
+"""Texts of a batch of the baseline."""
 
 
 class TableRow(Data):
@@ -45,10 +48,14 @@ class Table(Data):
         names = f"{'':24}{'':>6}  {'tabulated':>10}{'printed':>10}  {'nearest':>10}{'pairwise':>10}"
         lines = [f"against {self.N} of {self.baseline} by {self.encoder}", head, names]
         for row in self.rows:
-            figures = (row.tabulated, row.printed, row.nearest, row.pairwise)
-            one, two, three, four = ("" if x is None else f"{x:+.3f}" for x in figures)
-            lines.append(f"{row.label:24}{row.n:>6}  {one:>10}{two:>10}  {three:>10}{four:>10}")
+            oodness = f"{row.tabulated:>+10.3f}{row.printed:>+10.3f}"
+            diversity = f"{_figure(row.nearest):>10}{_figure(row.pairwise):>10}"
+            lines.append(f"{row.label:24}{row.n:>6}  {oodness}  {diversity}")
         return "\n".join(lines)
+
+
+def _figure(value: float | None) -> str:
+    return "" if value is None else f"{value:+.3f}"
 
 
 @checked
@@ -56,17 +63,17 @@ def paper_table(
     metrics: "Metrics",
     texts: Sequence[str | Scenario],
     *,
-    sizes: Sequence[int] = SIZES,
-    repeats: int = 10,
+    sizes: Sequence[int],
+    repeats: int,
 ) -> Table:
     """Return the paper's table; see `Metrics.paper_table`."""
     plain = check_texts(texts)
-    drawn = [whole_number("each size", size, 1) for size in sizes]
-    below = [size for size in drawn if size < len(plain)]
+    whole_sizes = [whole_number("each size", size, 1) for size in sizes]
+    smaller = [size for size in whole_sizes if size < len(plain)]
     return Table(
         rows=(
             *_baseline_rows(metrics, repeats),
-            *(_row("texts, draws", metrics, plain, size, repeats) for size in below),
+            *(_row("texts, draws", metrics, plain, size, repeats) for size in smaller),
             _row("texts, all", metrics, plain, len(plain), 1),
         ),
         N=len(metrics.baseline),
@@ -79,8 +86,8 @@ def paper_table(
 
 
 def _baseline_rows(metrics: "Metrics", repeats: int) -> tuple[TableRow, TableRow]:
-    batch = max(1, min(100, len(metrics.baseline) // 2))
-    own = metrics.baseline_diversity()
+    batch = max(1, min(_BATCH, len(metrics.baseline) // 2))
+    diversity = metrics.baseline_diversity()
     return (
         TableRow(
             label="baseline, batches",
@@ -95,8 +102,8 @@ def _baseline_rows(metrics: "Metrics", repeats: int) -> tuple[TableRow, TableRow
             n=len(metrics.baseline),
             tabulated=-1.0,
             printed=metrics.oodness(metrics.baseline.texts, "printed").mean,
-            nearest=own.nearest,
-            pairwise=own.pairwise,
+            nearest=diversity.nearest,
+            pairwise=diversity.pairwise,
         ),
     )
 
@@ -104,13 +111,13 @@ def _baseline_rows(metrics: "Metrics", repeats: int) -> tuple[TableRow, TableRow
 def _row(label: str, metrics: "Metrics", texts: Sequence[str], size: int, repeats: int) -> TableRow:
     """Return the means over random draws of a size."""
     draws = stream(metrics.seed, "paper-table", size)
-    found = []
+    figures = []
     for _ in range(repeats):
-        some = [texts[place] for place in draws.permutation(len(texts))[:size]]
-        spread = metrics.diversity(some)
-        scores = (metrics.oodness(some).mean, metrics.oodness(some, "printed").mean)
-        found.append((*scores, spread.nearest or 0.0, spread.pairwise or 0.0))
-    tabulated, printed, nearest, pairwise = np.mean(found, axis=0).tolist()
+        drawn = [texts[index] for index in draws.permutation(len(texts))[:size]]
+        diversity = metrics.diversity(drawn)
+        oodness = (metrics.oodness(drawn).mean, metrics.oodness(drawn, "printed").mean)
+        figures.append((*oodness, diversity.nearest or 0.0, diversity.pairwise or 0.0))
+    tabulated, printed, nearest, pairwise = np.mean(figures, axis=0).tolist()
     return TableRow(
         label=label,
         n=size,

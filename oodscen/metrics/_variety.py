@@ -62,12 +62,12 @@ def compression_ratio(texts: Sequence[str]) -> float:
     return len(content) / len(zlib.compress(content, 9))
 
 
-def distinct_n(texts: Sequence[str], n: int = 2) -> float | None:
+def distinct_n(texts: Sequence[str], n: int) -> float | None:
     """Return the share of distinct word n-grams, ignoring case; `None` if no text has n words."""
-    total, seen = 0, set()
+    total, different = 0, set()
     for text in check_texts(texts):
         words = _WORD.findall(text.lower())
-        grams = [tuple(words[place : place + n]) for place in range(len(words) - n + 1)]
-        total += len(grams)
-        seen.update(grams)
-    return len(seen) / total if total else None
+        ngrams = [tuple(words[start : start + n]) for start in range(len(words) - n + 1)]
+        total += len(ngrams)
+        different.update(ngrams)
+    return len(different) / total if total else None

@@ -52,9 +52,9 @@ class KnownOutcomes(Data):
             return "known" if outcome == "failed" else "same"
         return "regression" if outcome == "failed" else "improved"
 
-    def with_tests(self, found: dict[str, KnownTest]) -> "KnownOutcomes":
+    def with_tests(self, tests: dict[str, KnownTest]) -> "KnownOutcomes":
         """Return this baseline with some tests replaced or added."""
-        return KnownOutcomes(tests={**self.tests, **found})
+        return KnownOutcomes(tests={**self.tests, **tests})
 
     def write(self, path: Path) -> None:
         """Write one line per test, in order of their ids.
@@ -65,6 +65,7 @@ class KnownOutcomes(Data):
         rows = [
             f"{json.dumps(name)}: {test.to_json()}" for name, test in sorted(self.tests.items())
         ]
-        listed = ",\n".join(rows)
+        lines = ",\n".join(rows)
+        content = f'{{"schema_version": {self.schema_version}, "tests": {{\n{lines}\n}}}}\n'
         with writing(path, StudyError):
-            write_named(path, f'{{"schema_version": 1, "tests": {{\n{listed}\n}}}}\n'.encode())
+            write_named(path, content.encode())

@@ -8,7 +8,7 @@ from oodscen.judging._leaderboard.requirements import Bar
 
 
 def is_counted(drives: Iterable[DriveResult], bars: Sequence[Bar]) -> bool:
-    """Return whether a bar counts one of a test's drives as a miss; none does where the stack failed in one of them.
+    """Return whether a bar counts one of a test's drives as a miss; none does if the stack failed in one of them.
 
     Args:
         drives: The drives of one test.
@@ -22,16 +22,16 @@ def is_counted(drives: Iterable[DriveResult], bars: Sequence[Bar]) -> bool:
     )
 
 
-def _is_miss(one: DriveResult, figure: str) -> bool:
+def _is_miss(result: DriveResult, figure: str) -> bool:
     match figure:
         case "safe":
-            return not one.is_twin and not one.passed
+            return not result.is_twin and not result.passed
         case "safe-twin":
-            return one.is_twin and not one.passed
+            return result.is_twin and not result.passed
         case "safe-both":
-            return not one.passed or (one.is_twin and one.progress < HARDLY_DRIVES)
+            return not result.passed or (result.is_twin and result.progress < HARDLY_DRIVES)
         case "needless":
-            return bool(one.brakes_needlessly)
+            return bool(result.brakes_needlessly)
         case "critical":
-            return not one.is_twin and is_critical(one)
+            return not result.is_twin and is_critical(result)
     raise AssertionError(figure)

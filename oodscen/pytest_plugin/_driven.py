@@ -1,5 +1,6 @@
 """One drive of a test, and what its failure shows."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -38,8 +39,10 @@ class Driven:
         """The moment that a failure shows: where needless braking begins, else the end of the drive."""
         if not (self.is_safe and self.is_needless):
             return self.states[-1]
-        hard = (after for before, after in pairwise(self.states) if brakes_hard(before, after))
-        return next(hard, self.states[-1])
+        for before, after in pairwise(self.states):
+            if brakes_hard(before, after):
+                return after
+        return self.states[-1]
 
     @property
     def is_safe(self) -> bool:
@@ -57,18 +60,19 @@ class Driven:
         result = self.result
         end = f"after {result.seconds:.2f} s at {float(self.states[-1].speeds[0]):.1f} m/s"
         if result.collisions:
-            kinds = {actor.id: actor.asset for actor in self.scene.actors}
-            touched = " and ".join(f"{name} ({kinds.get(name, '?')})" for name in result.collisions)
+            assets = {actor.id: actor.asset for actor in self.scene.actors}
+            touched = " and ".join(
+                f"{actor} ({assets.get(actor, '?')})" for actor in result.collisions
+            )
             return f"touches {touched} {end}"
         if result.off_road:
             return f"leaves the road {end}"
         ttc = "none" if result.min_ttc_s is None else f"{result.min_ttc_s:.1f} s"
-        hard = ""
+        outcome = "is safe"
         if self.is_needless:
-            hard = (
-                f", braking hard after {self.shown.time:.2f} s although keeping the speed is safe"
-            )
-        return f"is safe{hard}; least time to collision {ttc}"
+            start_s = self.shown.time
+            outcome += f", braking hard after {start_s:.2f} s although keeping the speed is safe"
+        return f"{outcome}; least time to collision {ttc}"
 
     def __repr__(self) -> str:
         return f"<{self.result.driver} in {self.scene.id}: {self.outcome}>"
@@ -93,24 +97,25 @@ class Driven:
                 f"{result.peak_deceleration:.1f} m/s2, {result.progress:.0%} of the way at constant speed",
             ),
             ("safe here", ", ".join(safe_actions)),
-            *(("before" if not row else "", line) for row, line in enumerate(self._last())),
+            *(("before" if not row else "", line) for row, line in enumerate(self._last_moments())),
             *zip(("frame", "plan view"), map(str, self.pictures), strict=False),
         ]
         return "\n".join(printable(f"{name:11}{value}") for name, value in rows if value)
 
-    def _last(self) -> list[str]:
+    def _last_moments(self) -> list[str]:
         """Return the ego's speed and the nearest actor at a few times up to the shown moment."""
-        end, lines = self.shown.time, []
-        shown: set[int] = set()
-        for before in _SHOWN_S:
-            state = min(self.states, key=lambda one: abs(one.time - (end - before)))
-            if state.step in shown:
-                continue
-            shown.add(state.step)
-            line = f"{state.time:6.2f} s  {float(state.speeds[0]):5.1f} m/s"
-            if len(state.ids) > 1:
-                row = int(state.gaps[1:].argmin()) + 1
-                if state.gaps[row] < float("inf"):
-                    line += f"  {float(state.gaps[row]):5.1f} m from {state.ids[row]}"
-            lines.append(line)
-        return lines
+        moments = {}
+        for before_s in _SHOWN_S:
+            time_s = self.shown.time - before_s
+            nearest = min(self.states, key=lambda state: abs(state.time - time_s))
+            moments[nearest.step] = nearest
+        return [_moment(state) for state in moments.values()]
+
+
+def _moment(state: State) -> str:
+    line = f"{state.time:6.2f} s  {float(state.speeds[0]):5.1f} m/s"
+    if len(state.ids) > 1:
+        row = int(state.gaps[1:].argmin()) + 1
+        if state.gaps[row] < math.inf:
+            line += f"  {float(state.gaps[row]):5.1f} m from {state.ids[row]}"
+    return line

@@ -64,7 +64,7 @@ class Drive:
         self.drives: list[Driven] = []
         """The drives that came to an end, in order."""
         self._braking: dict[int, _Pictures] = {}
-        """Pictures of where needless braking begins, by place in `drives`."""
+        """Pictures of where needless braking begins, by index in `drives`."""
 
     def __repr__(self) -> str:
         return "drive"
@@ -100,43 +100,43 @@ class Drive:
         """
         make, own_name = _maker(driver)
         label = name or own_name
-        driven = self._scene if scene is None else scene
-        instance_of("scene", driven, Scene)
-        is_its_twin = driven.id == twin_id(self._scene.id)
-        plan = self._plan if is_its_twin else self._scenes.plan(driven, self._simulator)
+        driven_scene = self._scene if scene is None else scene
+        instance_of("scene", driven_scene, Scene)
+        is_its_twin = driven_scene.id == twin_id(self._scene.id)
+        plan = self._plan if is_its_twin else self._scenes.plan(driven_scene, self._simulator)
         is_clear = is_its_twin and plan.is_clear  # Before the drive, whose moments are pictured.
         facts: dict[str, object] = {"made_from": plan.scene.digest()}
-        camera = camera_for(self._simulator.catalogue(), camera)
+        catalogue = self._simulator.catalogue()
+        camera = camera_for(catalogue, camera)
         began = time.time()
         try:
-            states, braking = self._run(make, driven, plan.steps, camera, is_clear=is_clear)
+            states, braking = self._run(make, driven_scene, plan.steps, camera, is_clear=is_clear)
         except BaseException as error:
             is_skip = isinstance(error, _SKIPS)
             if is_skip or not is_interruption(error):
-                failed = failed_drive(driven.id, label, error)
+                failed = failed_drive(driven_scene.id, label, error)
                 self._add(failed.model_copy(update=facts), began)
             if is_skip:
                 raise UsageError(
                     f"{label} skips the scene: {error}; skip in the test, before drive()"
                 ) from error
             raise
-        simulator = self._simulator
         result = drive_result(
-            driven, states, simulator.catalogue(), label, plan.steps, simulator.dt
+            driven_scene, states, catalogue, label, plan.steps, self._simulator.dt
         )
         if is_its_twin:
             facts["brakes_needlessly"] = is_needless(result, is_clear)
         result = result.model_copy(update=facts)
+        self._add(result, began)
         if braking is not None and result.passed:
             self._braking[len(self.drives)] = braking
-        self._add(result, began)
         self.drives.append(
             Driven(
                 result=result,
-                scene=driven,
+                scene=driven_scene,
                 states=tuple(states),
-                text=self._scenes.text(driven),
-                path=self._scenes.path(driven),
+                text=self._scenes.text(driven_scene),
+                path=self._scenes.path(driven_scene),
             )
         )
         return self.drives[-1] if result.passed else self.pictured(camera)
@@ -164,8 +164,8 @@ class Drive:
         Args:
             camera: Camera of the frame; by default the ego's dash camera, or the view from above.
         """
-        for place, pictures in self._braking.items():
-            self._save(place, pictures)
+        for index, pictures in self._braking.items():
+            self._save(index, pictures)
         last = self.drives[-1]
         end = last.states[-1]
         if last.shown is end and self._simulator.observe().time == end.time:
@@ -179,19 +179,19 @@ class Drive:
         from oodscen.stages._birds_eye import birds_eye
 
         try:
-            above = birds_eye(state, scene, self._simulator.catalogue())
-            seen_by = camera_for(self._simulator.catalogue(), camera)
-            frame = render_checked(self._simulator, seen_by, len(state.ids))
+            plan_view = birds_eye(state, scene, self._simulator.catalogue())
+            frame_camera = camera_for(self._simulator.catalogue(), camera)
+            frame = render_checked(self._simulator, frame_camera, len(state.ids))
         except OodscenError:
             return {}
-        return {"frame": frame.rgb, "plan": above}
+        return {"frame": frame.rgb, "plan": plan_view}
 
-    def _save(self, place: int, pictures: _Pictures) -> None:
+    def _save(self, index: int, pictures: _Pictures) -> None:
         """Save the pictures of a drive that has none yet."""
-        one, folder = self.drives[place], self._scenes.pictures
-        if folder is None or one.pictures:
+        driven, folder = self.drives[index], self._scenes.pictures
+        if folder is None or driven.pictures:
             return
-        stem = picture_stem(one.scene.id, self._test, one.result.driver, place)
+        stem = picture_stem(driven.scene.id, self._test, driven.result.driver, index)
         saved = []
         for kind, pixels in pictures.items():
             if (data := png(pixels)) is not None:
@@ -199,10 +199,10 @@ class Drive:
                 path = folder / f"{stem}.{kind}.png"
                 replace(path, data)
                 saved.append(path)
-        self.drives[place] = dataclasses.replace(one, pictures=tuple(saved))
+        self.drives[index] = dataclasses.replace(driven, pictures=tuple(saved))
 
 
-def picture_stem(scene: str, test: str, driver: str, place: int) -> str:
+def picture_stem(scene: str, test: str, driver: str, index: int) -> str:
     """Return the file name of a drive's pictures, without its ending: no two drives of a session share one.
 
     Names have letters of ASCII and are short, as all file systems take them, and do not rely on upper and lower case.
@@ -211,11 +211,11 @@ def picture_stem(scene: str, test: str, driver: str, place: int) -> str:
         scene: The id of the scene or twin.
         test: The id of the test.
         driver: The name of the stack.
-        place: The place of the drive among those of its test.
+        index: The index of the drive among those of its test.
     """
     function = test.partition("[")[0].rpartition("::")[2]
     words = re.sub(r"[^A-Za-z0-9_~]+", "-", f"{scene}-{function}-{driver}")[:_READABLE].strip("-")
-    digest = hashlib.sha256(f"{test}\n{place}".encode(errors="surrogatepass")).hexdigest()
+    digest = hashlib.sha256(f"{test}\n{index}".encode(errors="surrogatepass")).hexdigest()
     return f"{words}-{digest[:10]}"
 
 

@@ -44,8 +44,8 @@ def simulator(request: pytest.FixtureRequest) -> "Iterator[Simulator]":
     from oodscen._members import using
     from oodscen._registry import make_simulator
 
-    with using(make_simulator(_session(request).simulator_name)) as made:
-        yield made
+    with using(make_simulator(_session(request).simulator_name)) as simulator:
+        yield simulator
 
 
 @pytest.fixture
@@ -54,9 +54,8 @@ def drive(scene: "Scene", simulator: "Simulator", request: pytest.FixtureRequest
     from oodscen.pytest_plugin._driving import Drive
 
     try:
-        scenes = _session(
-            request
-        ).scenes  # Not read before where the test has a `scene` of its own.
+        # Not read before if the test has a `scene` of its own.
+        scenes = _session(request).scenes
     except OodscenError as error:
         pytest.fail(printable(str(error)), pytrace=False)
     request.node.stash[DRIVE] = Drive(scene, simulator, scenes, request.node.nodeid)

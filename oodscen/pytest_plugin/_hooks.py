@@ -14,7 +14,7 @@ SESSION = "oodscen-session"
 
 MODES = ("compare", "write", "update")
 
-_PATHS = ("--oodscen", "--oodscen-pictures", "--oodscen-baseline")
+_PATH_OPTIONS = ("--oodscen", "--oodscen-pictures", "--oodscen-baseline")
 
 _OPTIONS = {
     "simulator": ("NAME", "simulator to drive in (default: the study's)"),
@@ -32,9 +32,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group = parser.getgroup("oodscen", "driving stacks in out-of-distribution scenes (oodscen)")
     group.addoption("--oodscen", metavar="OUT", help="study whose scenes are driven")
     parser.addini("oodscen", "study whose scenes are driven")
-    for name, (value, words) in _OPTIONS.items():
-        group.addoption(f"--oodscen-{name}", metavar=value, help=words)
-        parser.addini(f"oodscen_{name}", words)
+    for name, (metavar, description) in _OPTIONS.items():
+        group.addoption(f"--oodscen-{name}", metavar=metavar, help=description)
+        parser.addini(f"oodscen_{name}", description)
     group.addoption(
         "--oodscen-per-path", metavar="N", type=int, help="drive the first N scenes of every path"
     )
@@ -54,14 +54,14 @@ def pytest_configure(config: pytest.Config) -> None:
         pytest.UsageError: If the folder holds no study, or an option needs one.
     """
     for name in ("oodscen", *(f"oodscen_{option}" for option in _OPTIONS)):
-        if (given := config.getoption(name)) is not None and not given.strip():
+        if (value := config.getoption(name)) is not None and not value.strip():
             raise pytest.UsageError(f"--{name.replace('_', '-')} is empty")
     folder = path_setting(config, "oodscen")
     _refuse_far_paths(config)
     if folder is None:
-        named = [name for name in _OPTIONS if config.getoption(f"oodscen_{name}") is not None]
-        if named:
-            raise pytest.UsageError(f"--oodscen-{named[0]} needs a study: --oodscen OUT")
+        for option in _OPTIONS:
+            if config.getoption(f"oodscen_{option}") is not None:
+                raise pytest.UsageError(f"--oodscen-{option} needs a study: --oodscen OUT")
         return
     pictures = path_setting(config, "oodscen_pictures")
     if pictures is not None and any(path.is_file() for path in (pictures, *pictures.parents)):
@@ -81,15 +81,15 @@ def pytest_configure(config: pytest.Config) -> None:
 def _refuse_far_paths(config: pytest.Config) -> None:
     """Refuse `--oodscen OUT` for a folder elsewhere, where pytest would look for its configuration.
 
-    Pytest reads its configuration before it knows the options of plugins: a word that is a path counts as a place
-    of tests. `--oodscen=OUT` is one word.
+    Pytest reads its configuration before it knows the options of plugins, and takes a word that is a path for a
+    folder of tests. `--oodscen=OUT` is one word.
 
     Raises:
         pytest.UsageError: With the words to write instead.
     """
-    here, words = config.invocation_params.dir, config.invocation_params.args
+    folder, words = config.invocation_params.dir, config.invocation_params.args
     for option, value in pairwise(words):
-        if option in _PATHS and here not in Path(os.path.abspath(here / value)).parents:
+        if option in _PATH_OPTIONS and folder not in Path(os.path.abspath(folder / value)).parents:
             raise pytest.UsageError(
                 f"write {option}={value}: of {option} {value}, pytest takes the folder for one of tests"
             )
@@ -97,14 +97,14 @@ def _refuse_far_paths(config: pytest.Config) -> None:
 
 def setting(config: pytest.Config, name: str) -> str | None:
     """Return an option, else the setting of the same name in the configuration file."""
-    given = config.getoption(name)
-    return str(given) if given is not None else config.getini(name) or None
+    value = config.getoption(name)
+    return str(value) if value is not None else config.getini(name) or None
 
 
 def path_setting(config: pytest.Config, name: str) -> Path | None:
     """Return a path: an option's starts in the working folder, a setting's at the configuration file."""
-    given = config.getoption(name)
-    if given is not None:
-        return Path(config.invocation_params.dir, given)
-    written = config.getini(name)
-    return Path(config.rootpath, written) if written else None
+    option = config.getoption(name)
+    if option is not None:
+        return Path(config.invocation_params.dir, option)
+    path = config.getini(name)
+    return Path(config.rootpath, path) if path else None

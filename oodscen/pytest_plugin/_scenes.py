@@ -44,8 +44,11 @@ class Scenes:
     @cached_property
     def safe_actions(self) -> dict[str, tuple[str, ...]]:
         """The actions that the study found safe, by id of the scene or twin."""
-        episodes = (episode for episode in self._study.episodes if episode.status == "ok")
-        return {one.scene_id: tuple(one.safe_set) for one in episodes}
+        return {
+            episode.scene_id: tuple(episode.safe_set)
+            for episode in self._study.episodes
+            if episode.status == "ok"
+        }
 
     def first_per_path(self, count: int | None) -> list[Scene]:
         """Return the first scenes of every path of the scenario tree, or all of them."""
@@ -82,8 +85,9 @@ class Scenes:
     def text(self, scene: Scene) -> str:
         """Return the text of a scene or twin on one line, empty if the study has none."""
         scenario = self._text_of(scene)
-        text = (scenario.ordinary if scene.is_twin else scenario.text) if scenario else None
-        return one_line(text or "")
+        if scenario is None:
+            return ""
+        return one_line((scenario.ordinary if scene.is_twin else scenario.text) or "")
 
     def path(self, scene: Scene) -> tuple[str, ...]:
         """Return the path of the scenario tree that a scene or twin realises, empty if the study has no text of it."""

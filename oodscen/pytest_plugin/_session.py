@@ -1,6 +1,7 @@
 """The hooks of a session that names a study: scenes as parameters, reports, grades and the baseline."""
 
 import os
+import re
 from collections.abc import Generator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -30,8 +31,8 @@ DRIVE = pytest.StashKey["Drive"]()
 """The fixture `drive` of a test."""
 SUBTESTS = pytest.StashKey[Subtests]()
 """The subtests of a test."""
-_LISTED = 20
-"""Maximum number of tests that the summary lists by name."""
+_PHASES = ("setup", "call", "teardown")
+"""Phases of a test; pytest-xdist reports one during which a process died in a phase of its own, "???"."""
 
 
 class DrivingSession:
@@ -51,30 +52,26 @@ class DrivingSession:
         self._config, self._folder = config, folder
         self._mode: str = config.getoption("oodscen_baseline_mode")
         self._file = path_setting(config, "oodscen_baseline")
+        """The file of the baseline, if one is named."""
         self._grades: list[RequirementResult] = []
         self._changes: dict[str, Change] = {}
-        self._known: dict[str, KnownTest] = {}
+        self._tests: dict[str, KnownTest] = {}
+        """The outcomes of this session's tests, by their ids in the baseline."""
         self._drives: dict[str, DriveResult] = {}
-        self._fault = ""
+        self._fault: str | None = None
+        """The error that kept the baseline or the grades from being made."""
         self._is_whole = False
-        self._lost_a_process = False
+        """True once all tests have run."""
+        self._has_lost_process = False
+        self._registered_marks: set[str] = set()
         try:
-            self._bars = self._requirement(setting(config, "oodscen_require"))
-            self._per_path = _count(setting(config, "oodscen_per_path"))
-            self._baseline = self._outcomes()
+            self._bars = _parse_bars(setting(config, "oodscen_require"))
+            self._per_path = _scenes_per_path(setting(config, "oodscen_per_path"))
+            self._baseline = self._read_baseline()
         except OodscenError as error:
             raise pytest.UsageError(printable(str(error))) from None
 
-    @staticmethod
-    def _requirement(text: str | None) -> "tuple[Bar, ...]":
-        if text is None:
-            return ()
-        from oodscen.judging._drive_requirements import DRIVE_FIGURES
-        from oodscen.judging._leaderboard.requirements import parse_requirement
-
-        return parse_requirement(text, DRIVE_FIGURES)
-
-    def _outcomes(self) -> KnownOutcomes:
+    def _read_baseline(self) -> KnownOutcomes:
         """Return the known outcomes; none yet if they are to be written."""
         if self._file is None:
             if self._mode != "compare":
@@ -89,8 +86,6 @@ class DrivingSession:
         except OodscenError as error:
             raise UsageError(f"{error}\nonly a baseline is overwritten") from None
         return KnownOutcomes(tests={})
-
-    # -------------------------------------------------------------- scenes
 
     @cached_property
     def study(self) -> "Study":
@@ -159,16 +154,12 @@ class DrivingSession:
             return None
 
     def _mark(self, name: str) -> pytest.MarkDecorator:
-        if name not in self._registered:
-            self._registered.add(name)
+        if name not in self._registered_marks:
+            self._registered_marks.add(name)
             kind, _, label = name.partition("_")
             self._config.addinivalue_line("markers", f"{name}: scenes with the {kind} {label}")
-        found: pytest.MarkDecorator = getattr(pytest.mark, name)
-        return found
-
-    @cached_property
-    def _registered(self) -> set[str]:
-        return set()
+        mark: pytest.MarkDecorator = getattr(pytest.mark, name)
+        return mark
 
     def register_marks(self) -> None:
         """Register the marks of the scenes, for `pytest --markers`.
@@ -185,12 +176,10 @@ class DrivingSession:
         """Make one test per scene of every test that uses one."""
         if PARAMETER in metafunc.fixturenames:
             try:
-                found = self.parameters
+                parameters = self.parameters
             except OodscenError as error:
                 raise pytest.Collector.CollectError(printable(str(error))) from None
-            metafunc.parametrize(PARAMETER, found, indirect=True)
-
-    # -------------------------------------------------------------- reports
+            metafunc.parametrize(PARAMETER, parameters, indirect=True)
 
     @pytest.hookimpl(wrapper=True, tryfirst=True)
     def pytest_runtest_makereport(
@@ -198,8 +187,7 @@ class DrivingSession:
     ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
         """Add what happened to the report of a test, and forgive a failure that is known or counted."""
         report = yield
-        callspec = getattr(item, "callspec", None)
-        scene: Scene | None = callspec.params.get(PARAMETER) if callspec else None
+        scene = _scene_of(item)
         if scene is None or report.when == "teardown" or report.skipped:
             return report
         if report.when == "setup" and report.passed:
@@ -207,18 +195,15 @@ class DrivingSession:
         drive, subtests = item.stash.get(DRIVE, None), item.stash.get(SUBTESTS, Subtests())
         outcome: Outcome = "failed" if report.failed or subtests.forgiven else "passed"
         known_test = KnownTest(outcome=outcome, scene=scene.digest())
-        test = self._test(item)
+        test = self._test_id(item)
         change = self._baseline.change(test, outcome, known_test.scene)
-        if report.failed and drive is not None and drive.drives:
-            drive.pictured()
-            for one in drive.drives:
-                actions = self.scenes.safe_actions.get(one.scene.id, ())
-                report.sections.append(("oodscen", one.report(actions)))
+        if report.failed and drive is not None:
+            self._add_sections(report, drive)
         self._add_properties(item, report, scene, drive, change)
-        driven = subtests.own_drives(drive, call) if drive else []
+        own_drives = subtests.own_drives(drive, call) if drive else []
         reason = subtests.all_forgiven if report.passed and subtests.is_over else None
         if report.failed:
-            reason = self._forgiven(change, call, driven)
+            reason = self._forgiven(change, call, own_drives)
             subtests.forgiven.append(reason)
         if reason:
             report.outcome = "skipped"
@@ -231,6 +216,15 @@ class DrivingSession:
         }
         return report
 
+    def _add_sections(self, report: pytest.TestReport, drive: "Drive") -> None:
+        """Add what the drives of a failed test show, with pictures of the last."""
+        if not drive.drives:
+            return
+        drive.pictured()
+        for driven in drive.drives:
+            actions = self.scenes.safe_actions.get(driven.scene.id, ())
+            report.sections.append(("oodscen", driven.report(actions)))
+
     @pytest.hookimpl(wrapper=True, tryfirst=True)
     def pytest_runtest_call(self, item: pytest.Item) -> Generator[None]:
         """Tell the reports of a test's subtests, which are made while it runs, from its own."""
@@ -240,7 +234,7 @@ class DrivingSession:
         finally:
             subtests.is_over = True
 
-    def _test(self, item: pytest.Item) -> str:
+    def _test_id(self, item: pytest.Item) -> str:
         """Return the id of a test in the baseline: its path is relative to the file of the baseline.
 
         Pytest's own ids are relative to a root folder that depends on the command line.
@@ -259,26 +253,18 @@ class DrivingSession:
         change: Change,
     ) -> None:
         """Add the properties of a test for the JUnit file."""
-        rows: list[tuple[str, object]] = [
+        from oodscen.pytest_plugin._properties import drive_properties, with_properties
+
+        properties: list[tuple[str, object]] = [
             ("oodscen.scene", scene.id),
             ("oodscen.path", " > ".join(self.scenes.path(scene))),
         ]
         if self._file is not None:
-            rows.append(("oodscen.change", change))
-        pictures = {id(one.result): one.pictures for one in drive.drives} if drive else {}
-        for result in drive.results if drive else ():
-            which = "oodscen.twin" if result.is_twin else "oodscen.drive"
-            rows += [
-                (f"{which}.driver", result.driver),
-                (f"{which}.safe", str(result.passed).lower()),
-                (f"{which}.min_ttc_s", result.min_ttc_s),
-                (f"{which}.progress", result.progress),
-                *(("oodscen.picture", str(path)) for path in pictures.get(id(result), ())),
-            ]
-        names = {name for name, _ in rows}  # Those of the subtests before, which are fewer.
-        others = [pair for pair in item.user_properties if pair[0] not in names]
-        written = [(name, _text(value)) for name, value in rows if value is not None]
-        item.user_properties = [*others, *written]
+            properties.append(("oodscen.change", change))
+        if drive is not None:
+            properties += drive_properties(drive)
+        # Reports of subtests before have left fewer of the same names.
+        item.user_properties = with_properties(item.user_properties, properties)
         report.user_properties = list(item.user_properties)
 
     def _forgiven(
@@ -297,43 +283,39 @@ class DrivingSession:
             return "failed in the baseline" if change == "known" else None
         from oodscen.pytest_plugin._counting import is_counted
 
-        found = call.excinfo
-        if found is None:
+        if call.excinfo is None:
             return None
-        is_assertion = found.errisinstance((AssertionError, pytest.fail.Exception))
+        is_assertion = call.excinfo.errisinstance((AssertionError, pytest.fail.Exception))
         if is_assertion and is_counted(drives, self._bars):
             return "counted by --oodscen-require"
         return None
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Collect what the reports of all processes carry."""
-        found: Mapping[str, Any] | None = getattr(report, "oodscen", None)
-        # Pytest-xdist reports the test during which a process died in a phase of its own, "???".
-        self._lost_a_process |= report.when not in ("setup", "call", "teardown")
-        if found is None or hasattr(self._config, "workerinput"):
+        self._has_lost_process |= report.when not in _PHASES
+        carried: Mapping[str, Any] | None = getattr(report, "oodscen", None)
+        if carried is None or hasattr(self._config, "workerinput"):
             return
         from oodscen.data._drive_result import DriveResult
 
-        self._known[found["test"]] = KnownTest.parse(found["known"])
-        self._changes[found["test"]] = found["change"]
-        for row in found["drives"]:
+        self._tests[carried["test"]] = KnownTest.parse(carried["known"])
+        self._changes[carried["test"]] = carried["change"]
+        for row in carried["drives"]:
             result = DriveResult.parse(row)
             before = self._drives.get(result.id)
             if before is None or before.passed:  # Of several drives by one stack the worst counts.
                 self._drives[result.id] = result
 
-    # -------------------------------------------------------------- the end
-
     @pytest.hookimpl(tryfirst=True)
     def pytest_sessionfinish(self, session: pytest.Session, exitstatus: int) -> None:
         """Grade the stacks, write the baseline, and fail the session where a stack does not meet the bars."""
         has_ended = exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
-        self._is_whole = has_ended and not self._lost_a_process
+        self._is_whole = has_ended and not self._has_lost_process
         if hasattr(self._config, "workerinput") or not self._is_whole or self._collects_only:
             return
         try:
-            if self._file is not None and self._mode != "compare" and self._known:
-                self._baseline.with_tests(self._known).write(self._file)
+            if self._file is not None and self._mode != "compare" and self._tests:
+                self._baseline.with_tests(self._tests).write(self._file)
             if self._bars and not self._meets():
                 session.exitstatus = pytest.ExitCode.TESTS_FAILED
         except OodscenError as error:  # The other hooks still have their reports to write.
@@ -368,8 +350,10 @@ class DrivingSession:
 
     def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
         """Print the stacks' figures, their grades, and what changed since the baseline."""
-        lines = [*self._figures(), *map(str, self._grades), *self._verdict()]
-        lines += [self._fault] if self._fault else self._compared()
+        from oodscen.pytest_plugin._summary import stack_lines
+
+        lines = [*stack_lines(self._drives.values()), *map(str, self._grades), *self._verdict()]
+        lines += self._baseline_lines() if self._fault is None else [self._fault]
         if self._bars and not self._grades and not self._collects_only:
             lines.append(
                 "no stack drove a scene, so none can meet --oodscen-require"
@@ -381,62 +365,43 @@ class DrivingSession:
             for line in lines:
                 terminalreporter.write_line(printable(line))
 
-    def _figures(self) -> list[str]:
-        """Return one line per stack, and one more per stack that drove twins."""
-        found: dict[tuple[str, bool], list[DriveResult]] = {}
-        for drive in self._drives.values():
-            found.setdefault((drive.driver, drive.is_twin), []).append(drive)
-        lines = []
-        for (driver, is_twin), rows in sorted(found.items()):
-            collided = sum(bool(row.collisions) for row in rows)
-            off_road = sum(row.off_road for row in rows)
-            failed = sum(row.status == "failed" for row in rows)
-            needless = sum(bool(row.brakes_needlessly) for row in rows)
-            lines.append(
-                f"{driver}, {'twins' if is_twin else 'scenes'}: {sum(r.passed for r in rows)} of {len(rows)} safe, "
-                f"{collided} collisions, {off_road} off the road, {failed} failed"
-                + (f", {needless} braked needlessly" if is_twin else "")
-            )
-        return lines
-
-    def _compared(self) -> list[str]:
+    def _baseline_lines(self) -> list[str]:
         """Return how the outcomes differ from the baseline, or where they were written."""
-        if self._file is None or not self._known:
+        if self._file is None or not self._tests:
             return []
+        from oodscen.pytest_plugin._summary import change_lines, written_line
+
         if not self._is_whole:
             return [f"{self._file}: not all tests ran, so that nothing is written or compared"]
         if self._mode != "compare":
-            failed = sum(known_test.outcome == "failed" for known_test in self._known.values())
-            return [f"{self._file}: {len(self._known)} outcomes written, {failed} of them failures"]
-        named: dict[Change, list[str]] = {}
-        for test, change in self._changes.items():
-            named.setdefault(change, []).append(test)
-        new = [test for test in named.get("new", ()) if self._known[test].outcome == "failed"]
-        regressed, improved = named.get("regression", []), named.get("improved", [])
-        lines = [
-            f"{self._file}: {len(regressed)} regressions, {len(new)} new failures, "
-            f"{len(named.get('known', ()))} known failures, {len(improved)} improved"
-        ]
-        lines += [f"  regression: {test}" for test in regressed[:_LISTED]]
-        if len(regressed) > _LISTED:
-            lines.append(f"  and {len(regressed) - _LISTED} more")
-        if improved:
-            lines.append("  keep the improvements with --oodscen-baseline-mode update")
-        return lines
+            return [written_line(self._file, self._tests)]
+        return change_lines(self._file, self._tests, self._changes)
 
 
-def _text(value: object) -> str:
-    return printable(f"{value:g}" if isinstance(value, float) else str(value))
+def _parse_bars(text: str | None) -> "tuple[Bar, ...]":
+    if text is None:
+        return ()
+    from oodscen.judging._drive_requirements import DRIVE_FIGURES
+    from oodscen.judging._leaderboard.requirements import parse_requirement
+
+    return parse_requirement(text, DRIVE_FIGURES)
 
 
-def _count(text: str | None) -> int | None:
-    """Return the number of scenes per path.
+def _scenes_per_path(text: str | None) -> int | None:
+    """Return the number of scenes per path; `None` for all.
 
     Raises:
         UsageError: If it is not a positive number.
     """
     if text is None:
         return None
-    if not text.isdecimal() or not 0 < int(text) < 10**6:
+    if not re.fullmatch(r"0*[1-9]\d{0,5}", text):
         raise UsageError(f"oodscen_per_path: {text!r:.40} is not a number of scenes")
     return int(text)
+
+
+def _scene_of(item: pytest.Item) -> "Scene | None":
+    """Return the scene that a test is run for."""
+    callspec = getattr(item, "callspec", None)
+    scene: Scene | None = callspec.params.get(PARAMETER) if callspec else None
+    return scene

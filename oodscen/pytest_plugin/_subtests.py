@@ -18,8 +18,8 @@ class Subtests:
     """True once the test has ended, so that the next report is its own."""
     forgiven: list[str | None] = field(default_factory=list)
     """Why each failed subtest does not fail the session; `None` where it does."""
-    _places: set[int] = field(default_factory=set)
-    """Places of the drives that subtests made, in the results of the test."""
+    _driven: set[int] = field(default_factory=set)
+    """Indices of the drives that subtests made, in the results of the test."""
 
     @property
     def all_forgiven(self) -> str | None:
@@ -28,12 +28,12 @@ class Subtests:
 
     def own_drives(self, drive: "Drive", call: pytest.CallInfo[None]) -> "list[DriveResult]":
         """Return the drives that a subtest or test made, and those that no subtest made."""
-        own = {place for place, began in enumerate(drive.began) if began >= call.start}
+        during_call = {index for index, began in enumerate(drive.began) if began >= call.start}
         results = [
             result
-            for place, result in enumerate(drive.results)
-            if place in own or place not in self._places
+            for index, result in enumerate(drive.results)
+            if index in during_call or index not in self._driven
         ]
         if not self.is_over:
-            self._places |= own
+            self._driven |= during_call
         return results

@@ -6,7 +6,7 @@ import pytest
 from click.testing import CliRunner
 
 from oodscen._cli import main
-from oodscen.metrics._rarity.anchors import published_rates
+from oodscen.metrics._rarity.rates import published_rates
 from oodscen.protocols import Completion, Request, Usage
 
 ENTRY = {"unit": "log10 km", "low": 4, "best": 5, "high": 6}

@@ -1,5 +1,6 @@
 """Sums over calls, a second model, and caps for models of one's own."""
 
+import json
 import math
 
 import pytest
@@ -65,6 +66,7 @@ def test_percentiles_are_values_that_enough_calls_keep(seconds):
 def test_lines_of_any_kind_are_summed():
     found = account(("x",), [{}, {"seconds": "long", "cost_usd": "much", "requests": None}])
     assert (found.calls, found.requests, found.retries, found.seconds) == (2, 0, 0, 0)
+    assert account(("x",), [{"requests": True, "cost_usd": True}]).requests == 0
 
 
 def test_a_second_model_answers_where_the_first_does_not():
@@ -110,6 +112,15 @@ def test_models_of_ones_own_are_held_to_the_caps():
     assert limits.budget.spent.tokens == 330
     assert isinstance(make_llm(author, limits=limits), CappedLLM)
     assert limits.budget.spent.cost_usd == pytest.approx(330e-6)
+
+
+@pytest.mark.parametrize(("reported_usd", "spent_usd"), [(None, 3e-6), (0.0, 3e-6), (0.5, 0.5)])
+def test_a_stated_price_stands_in_for_a_cost_that_is_not_reported(reported_usd, spent_usd):
+    usage = Usage(input_tokens=1, output_tokens=1, cost_usd=reported_usd)
+    limits = Limits(cost_usd=1, prices={"function": Price(1, 2)})
+    llm = ScriptedLLM(lambda asked: Completion(text=json.dumps(GOOD), usage=usage))
+    ask(CappedLLM(llm, limits), QUESTION)
+    assert limits.budget.spent.cost_usd == pytest.approx(spent_usd)
 
 
 class Costly:

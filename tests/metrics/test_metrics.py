@@ -399,6 +399,14 @@ def test_whole_paths_are_exchanged_in_a_test_of_two_sets():
     assert metrics.compare(far, far, paired=True, size=5).pairwise.high == 0
 
 
+@pytest.mark.parametrize("definition", ["tabulated", "printed", "kth", "events"])
+def test_nothing_is_held_out_of_a_baseline_of_one_text(definition):
+    metrics = Metrics(HashEncoder(64), ["A car waits at the light."])
+    with pytest.raises(UsageError, match="one text"):
+        metrics.held_out_scores(definition)
+    assert metrics.report(["A deer."], definition=definition).calibration is None
+
+
 def test_the_spread_of_batches_is_that_of_a_sample():
     found = Metrics(ENCODER, [f"b{i}" for i in range(9)]).baseline_batch(3, 4)
     assert found.spread == pytest.approx(np.std(found.per_repeat, ddof=1))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from oodscen.metrics._rarity.head import between
+from oodscen.metrics._rarity.head import interval_ends
 from tools.rarity.train import MISS, Fit, Rated, interval, rated, registers_moved
 
 
@@ -40,7 +40,7 @@ def test_intervals_cover_as_much_as_they_say_where_the_error_grows_with_the_esti
     best = draws.uniform(0.0, 8.0, 4_000)
     values = best + draws.normal(size=4_000) * (0.3 + 0.2 * best)
     origins = np.array(["pairs 1", "registers", "baseline, people", "baseline, sights"] * 1_000)
-    low, high = between(best, *interval(best, values, origins))
+    low, high = interval_ends(best, *interval(best, values, origins))
     inside = (low <= values) & (values <= high)
     for part in (best < 4.0, best >= 4.0):
         assert inside[part].mean() == pytest.approx(1.0 - 2.0 * MISS, abs=0.02)
@@ -52,7 +52,7 @@ def test_a_hand_with_many_texts_counts_as_much_as_one_with_few():
     is_few = np.arange(2_200) < 200
     values = best + draws.normal(size=2_200) * np.where(is_few, 2.0, 0.5)
     origins = np.where(is_few, "pairs 1", "registers")
-    low, high = between(best, *interval(best, values, origins))
+    low, high = interval_ends(best, *interval(best, values, origins))
     assert (high - low).mean() > 4.0
 
 

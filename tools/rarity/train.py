@@ -31,7 +31,7 @@ from oodscen.encoders._all_minilm import all_minilm
 from oodscen.encoders._cached import CachedEncoder, cache_folder
 from oodscen.encoders._check import encode
 from oodscen.encoders._similarity import unit
-from oodscen.metrics._rarity.head import Head, between, inducing_points, kernel
+from oodscen.metrics._rarity.head import Head, inducing_points, interval_ends, kernel
 from oodscen.metrics._rarity.words import Words, stems, without_courtesy
 from oodscen.protocols import Encoder
 from oodscen.statistics._auroc import auroc
@@ -339,7 +339,9 @@ def losses(kind: str, found: LeftOut, data: Rated) -> dict[str, float]:
         best, values = found.fine[own], data.values[own]
         gap = best - values
         rank = np.corrcoef(_ranks(best), _ranks(values))[0, 1]
-        low, high = between(best, *interval(found.hand[~own], data.values[~own], data.fine[~own]))
+        low, high = interval_ends(
+            best, *interval(found.hand[~own], data.values[~own], data.fine[~own])
+        )
         shares[name] = float(np.mean((low <= values) & (values <= high)))
         print(
             f"{kind:7} {name:24} n={own.sum():5} rank {rank:5.2f} bias {gap.mean():+.2f} "

@@ -45,26 +45,29 @@ _is_enforced = False
 
 
 def _refuse_outside(event: str, arguments: tuple[Any, ...]) -> None:
-    host = _destination(event, arguments) if event.startswith("socket.") else ""
-    if not host or not is_offline() or _is_here(host):
+    host = _destination(event, arguments) if event.startswith("socket.") else None
+    if host is None or not is_offline() or _is_here(host):
         return
     if (bounds := active()) is not None:
         bounds.stop("offline", host)
     raise OutsideError(f"{SWITCH} is set, and {host} is not this machine")
 
 
-def _destination(event: str, arguments: tuple[Any, ...]) -> str:
-    """Return the host that is about to be contacted, if only for a name look-up, or an empty string."""
-    host: object = ""
+def _destination(event: str, arguments: tuple[Any, ...]) -> str | None:
+    """Return the host that is about to be contacted, if only for a name look-up; `None` if there is none."""
+    host: object = None
     if event in ("socket.connect", "socket.sendto", "socket.sendmsg"):
         endpoint, *_, address = arguments
         if endpoint.family in (socket.AF_INET, socket.AF_INET6) and address is not None:
             host = address[0]
-    elif event in ("socket.getaddrinfo", "socket.gethostbyname", "socket.gethostbyaddr"):
+    elif event == "socket.gethostbyaddr":
+        host = arguments[0]
+    elif event in ("socket.getaddrinfo", "socket.gethostbyname"):
         # A literal address is resolved without a name look-up.
-        is_asked = event == "socket.gethostbyaddr" or not _is_literal(arguments[0])
-        host = arguments[0] if is_asked else ""
-    return host.decode("ascii", "replace") if isinstance(host, bytes) else str(host or "")
+        host = None if _is_literal(arguments[0]) else arguments[0]
+    if isinstance(host, bytes):
+        host = host.decode("ascii", "replace")
+    return str(host) if host else None
 
 
 def _is_here(host: str) -> bool:

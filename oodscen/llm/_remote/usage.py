@@ -31,10 +31,8 @@ def count(value: Any) -> int:
     """Return a number of tokens from a response: 0 if missing, -1 if invalid."""
     if value is None:
         return 0
-    is_whole = (
-        isinstance(value, (int, float)) and not isinstance(value, bool) and value == value // 1
-    )
-    return int(value) if is_whole else -1
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return int(value) if is_number and value == value // 1 else -1
 
 
 def plausible_usage(usage: Usage, request: Request) -> Usage:
@@ -49,12 +47,14 @@ def plausible_usage(usage: Usage, request: Request) -> Usage:
     most = texts + schema + MOST_ADDED + MOST_PER_IMAGE * _images(request)
     if not (0 <= usage.input_tokens <= most and 0 <= usage.output_tokens <= MOST_ANSWERED):
         return Usage()
-    is_cost = usage.cost_usd is not None and 0 <= usage.cost_usd <= MOST_USD
+    cost_usd = usage.cost_usd
+    if cost_usd is not None and not 0 <= cost_usd <= MOST_USD:
+        cost_usd = None
     return Usage(
         input_tokens=usage.input_tokens,
         output_tokens=usage.output_tokens,
         cached_tokens=min(max(0, usage.cached_tokens), usage.input_tokens),
-        cost_usd=usage.cost_usd if is_cost else None,
+        cost_usd=cost_usd,
     )
 
 

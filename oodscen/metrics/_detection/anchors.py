@@ -9,6 +9,7 @@ on sentences, by an author who had read the *tune* half of the controls.
 
 import tomllib
 from functools import cache
+from typing import NamedTuple
 
 from oodscen.baselines._texts import bundled
 
@@ -16,27 +17,38 @@ Pairs = tuple[tuple[str, str], ...]
 """Pairs of an ordinary and a not ordinary text in the same frame."""
 
 
+class Anchors(NamedTuple):
+    """The four sorts of pairs."""
+
+    judgements: Pairs
+    conduct: Pairs
+    """Sentences about the conduct of things on the road."""
+    sentences: Pairs
+    kinds: Pairs
+    """Kinds of events, as they should be and gone wrong."""
+
+
 @cache
-def anchors() -> tuple[Pairs, Pairs, Pairs, Pairs]:
-    """Return the four sorts of pairs: judgements, conduct of things on the road, sentences, kinds of events."""
-    known = tomllib.loads(bundled("anchors.toml", "oodscen.metrics._detection"))
-    judgements = tuple(
-        (_filled(frame, calm), _filled(frame, odd))
-        for calm, odd in known["judgements"]
-        for frame in known["frames"]
+def load_anchors() -> Anchors:
+    """Return the bundled pairs."""
+    table = tomllib.loads(bundled("anchors.toml", "oodscen.metrics._detection"))
+    return Anchors(
+        judgements=tuple(
+            (_fill(frame, calm), _fill(frame, odd))
+            for calm, odd in table["judgements"]
+            for frame in table["frames"]
+        ),
+        conduct=tuple(
+            (f"{thing} {calm}.", f"{thing} {odd}.")
+            for thing in table["things"]
+            for calm, odd in table["conduct"]
+        ),
+        sentences=tuple((calm, odd) for calm, odd in table["sentences"]),
+        kinds=tuple((calm, odd) for calm, odd in table["kinds"]),
     )
-    conduct = tuple(
-        (f"{thing} {calm}.", f"{thing} {odd}.")
-        for thing in known["things"]
-        for calm, odd in known["conduct"]
-    )
-    return judgements, conduct, _pairs(known["sentences"]), _pairs(known["kinds"])
 
 
-def _pairs(rows: list[list[str]]) -> Pairs:
-    return tuple((calm, odd) for calm, odd in rows)
-
-
-def _filled(frame: str, word: str) -> str:
+def _fill(frame: str, word: str) -> str:
+    """Return a frame as a sentence with a word in it; its first letter may belong to the word."""
     text = frame.format(word)
     return text[:1].upper() + text[1:]

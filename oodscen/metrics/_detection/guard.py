@@ -32,8 +32,11 @@ from oodscen.metrics._detection.detectors import DECIMALS, Encode
 _RIDGE = 0.3
 """Ridge of the weights."""
 _NEAREST = 3
+"""Texts of each side whose cosines count."""
 THRESHOLD = 0.1
+"""Score below which a text is flagged."""
 _CALIBRATED = "all-MiniLM-L6-v2@"
+"""Beginning of the names of encoders that the threshold was set for."""
 _CONSTANT_RIDGE = 1e-9
 """Ridge of the constant, which is to be free: enough to keep the system solvable."""
 
@@ -59,14 +62,14 @@ class Guard:
         self._encoder = encoder
         self._inside = encode(ordinary_driving().texts)
         self._outside = encode([*elsewhere(), *(text.text for text in off_topic_texts("tune"))])
-        self._weights = _fitted(self._inside, self._outside)
+        self._weights = _fit(self._inside, self._outside)
 
     def scores(self, vectors: Vectors) -> NDArray[np.float64]:
         """Return [n] scores of [n, d] vectors; low is off-topic."""
         linear = np.asarray(vectors @ self._weights[:-1] + self._weights[-1], np.float64)
         inside, outside = (
-            largest(vectors, known, _NEAREST)[0].mean(axis=1)
-            for known in (self._inside, self._outside)
+            largest(vectors, references, _NEAREST)[0].mean(axis=1)
+            for references in (self._inside, self._outside)
         )
         return np.asarray(np.round(linear + (inside - outside), DECIMALS), np.float64)
 
@@ -94,7 +97,7 @@ def elsewhere() -> tuple[str, ...]:
     return tuple(line for line in lines if line and not line.startswith("# "))
 
 
-def _fitted(inside: Vectors, outside: Vectors) -> NDArray[np.float64]:
+def _fit(inside: Vectors, outside: Vectors) -> NDArray[np.float64]:
     """Return ridge weights, the constant last, towards 1 inside and -1 outside, which share the loss equally."""
     size = inside.shape[1] + 1
     left, right = np.eye(size) * _RIDGE, np.zeros(size)

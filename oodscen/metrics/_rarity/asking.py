@@ -1,13 +1,13 @@
 """Asks a model how rarely drivers meet the situations of texts."""
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from oodscen.errors import AnswerError, ContentFiltered
 from oodscen.llm._ask import ask, speaker
 from oodscen.llm._call_log import Call, LoggedLLM
-from oodscen.metrics._rarity.anchors import PublishedRate
 from oodscen.metrics._rarity.estimates import (
     POPULATION,
     UNTOLD,
@@ -16,13 +16,23 @@ from oodscen.metrics._rarity.estimates import (
     TextRarity,
     gather_rarity,
 )
+from oodscen.metrics._rarity.rates import PublishedRate
 from oodscen.prompts._scenario.estimate_rarity import EstimateRarity, RarityEstimate
 from oodscen.protocols import LLM
 
 PER_CALL = 20
+"""Texts of a question."""
 DRAWS = 3
+"""Independent draws of a model, unless a caller wants others."""
 LONGEST = 2_000
 """Characters of a text that are shown to a model."""
+_FLAG_OF_PROBLEM: dict[str, Flag] = {
+    "no driving": "no driving",
+    "impossible": "impossible",
+    "several events": "several events",
+    "not understood": "not answered",
+}
+"""The flags of a text, by the problem that a model names."""
 
 
 def ask_rarity(
@@ -30,7 +40,7 @@ def ask_rarity(
     texts: Sequence[str],
     *,
     anchors: Sequence[PublishedRate] | None = None,
-    draws: int = DRAWS,
+    draws: int,
     per_call: int = PER_CALL,
 ) -> Rarity:
     """Return the rarity of texts by a model: the median over independent draws.
@@ -43,25 +53,34 @@ def ask_rarity(
     """
     calls: list[Call] = []
     logged = LoggedLLM(llm, calls.append)
-    per_text = _drawn(logged, texts, draws, per_call)
-    rates: list[PublishedRate] = []
-    own: list[float] = []
-    if anchors is not None:
-        wordings = [text for rate in anchors for text in rate.texts]
-        rarities = iter(_drawn(logged, wordings, draws, per_call))
-        groups = [[next(rarities).best for _ in rate.texts] for rate in anchors]
-        known = [[one for one in group if one is not None] for group in groups]
-        rates = [rate for rate, group in zip(anchors, known, strict=True) if group]
-        own = [float(np.mean(group)) for group in known if group]
+    per_text = _ask_all(logged, texts, draws, per_call)
+    answered, estimates = [], []
+    for rate, estimate in _rate_estimates(logged, anchors or (), draws, per_call):
+        if estimate is not None:
+            answered.append(rate)
+            estimates.append(estimate)
     costs = [call.cost_usd for call in calls if call.status == "ok"]
-    update = {
-        "unanswered_rates": len(anchors or ()) - len(rates),
-        "input_tokens": sum(call.input_tokens for call in calls),
-        "output_tokens": sum(call.output_tokens for call in calls),
-        "cost_usd": None if None in costs else sum(filter(None, costs)),
-    }
-    rarity = gather_rarity(per_text, speaker(llm), rates or None, own)
-    return rarity.model_copy(update=update)
+    rarity = gather_rarity(per_text, speaker(llm), answered or None, estimates)
+    return rarity.model_copy(
+        update={
+            "unanswered_rates": len(anchors or ()) - len(answered),
+            "input_tokens": sum(call.input_tokens for call in calls),
+            "output_tokens": sum(call.output_tokens for call in calls),
+            "cost_usd": None if None in costs else sum(filter(None, costs)),
+        }
+    )
+
+
+def _rate_estimates(
+    llm: LLM, rates: Sequence[PublishedRate], draws: int, per_call: int
+) -> Iterator[tuple[PublishedRate, float | None]]:
+    """Yield each published rate with the model's mean estimate over its wordings, `None` if it gives none."""
+    wordings = [text for rate in rates for text in rate.texts]
+    rarities = iter(_ask_all(llm, wordings, draws, per_call))
+    for rate in rates:
+        figures = [next(rarities).best for _ in rate.texts]
+        known = [figure for figure in figures if figure is not None]
+        yield rate, float(np.mean(known)) if known else None
 
 
 def questions(texts: Sequence[str], per_call: int = PER_CALL) -> list[EstimateRarity]:
@@ -73,47 +92,41 @@ def questions(texts: Sequence[str], per_call: int = PER_CALL) -> list[EstimateRa
     ]
 
 
-def _drawn(llm: LLM, texts: Sequence[str], draws: int, per_call: int) -> list[TextRarity]:
+def _ask_all(llm: LLM, texts: Sequence[str], draws: int, per_call: int) -> list[TextRarity]:
+    """Return the rarity of each text by the draws of a model that it answered."""
     answers: list[list[RarityEstimate]] = [[] for _ in texts]
     for block, prompt in enumerate(questions(texts, per_call)):
         first = block * per_call
         for sample in range(draws):
             try:
-                estimates = ask(llm, prompt, sample)
+                answer = ask(llm, prompt, sample)
             except (AnswerError, ContentFiltered):
                 continue
-            for estimate in estimates.estimates:
+            for estimate in answer.estimates:
                 answers[first + estimate.number - 1].append(estimate)
-    return [
-        _join(rarity_estimates, text) for rarity_estimates, text in zip(answers, texts, strict=True)
-    ]
+    return [_join(estimates, text) for estimates, text in zip(answers, texts, strict=True)]
 
 
-def _join(found: Sequence[RarityEstimate], text: str) -> TextRarity:
+def _join(estimates: Sequence[RarityEstimate], text: str) -> TextRarity:
     """Return the rarity of one text by its draws."""
-    names: dict[str, Flag] = {
-        "no driving": "no driving",
-        "impossible": "impossible",
-        "several events": "several events",
-        "not understood": "not answered",
-    }
     flags: list[Flag] = ["long"] if len(text) > LONGEST else []
+    problems: Counter[str] = Counter(estimate.problem for estimate in estimates)
     flags += [
         flag
-        for problem, flag in names.items()
-        if found and 2 * sum(estimate.problem == problem for estimate in found) >= len(found)
+        for problem, flag in _FLAG_OF_PROBLEM.items()
+        if problems[problem] and 2 * problems[problem] >= len(estimates)
     ]
-    known = [
+    figures = [
         (estimate.low, estimate.best, estimate.high)
-        for estimate in found
+        for estimate in estimates
         if estimate.low is not None and estimate.best is not None and estimate.high is not None
     ]
-    if not known and not UNTOLD & set(flags):
+    if not figures and not UNTOLD & set(flags):
         flags.append("not answered")
-    draws = tuple(best for _, best, _ in known)
+    draws = tuple(best for _, best, _ in figures)
     if UNTOLD & set(flags):
         return TextRarity(flags=tuple(flags), draws=draws)
-    low, best, high = np.median(np.array(known), axis=0).tolist()
+    low, best, high = np.median(np.array(figures), axis=0).tolist()
     return TextRarity(
         low=min(low, *draws), best=best, high=max(high, *draws), flags=tuple(flags), draws=draws
     )

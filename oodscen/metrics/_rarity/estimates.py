@@ -9,12 +9,13 @@ from pydantic import Field, computed_field, model_validator
 
 from oodscen._display import cut
 from oodscen.data._base import Data
-from oodscen.encoders._check import encode
-from oodscen.encoders._similarity import Vectors, unit
+from oodscen.encoders._check import unit_embeddings
+from oodscen.encoders._similarity import Vectors
 from oodscen.errors import DataError, Issue
-from oodscen.metrics._rarity.anchors import PublishedRate, RateCalibration, calibrate
-from oodscen.metrics._rarity.head import Estimates, Head, estimated, load_head
+from oodscen.metrics._rarity.head import Estimates, Head, estimate, load_head
 from oodscen.metrics._rarity.plausibility import is_impossible, names_event, parts
+from oodscen.metrics._rarity.rate_calibration import RateCalibration, calibrate
+from oodscen.metrics._rarity.rates import PublishedRate
 from oodscen.metrics._rarity.subject import is_number, names_road, repeats_word
 from oodscen.protocols import Encoder
 
@@ -34,8 +35,10 @@ _UNUSABLE: Final = frozenset[Flag]({"no driving", "language", "impossible"})
 _NO_VECTORS: Vectors = np.empty((0, 0), np.float32)
 _LONG = 1_000
 """Characters from which a text is flagged as long."""
-_FEWEST_KNOWN = 0.4
+_LEAST_KNOWN_SHARE = 0.4
 """Minimum share of a text's words that the head knows."""
+_LEAST_ASCII_SHARE = 0.8
+"""Minimum share of a text's letters that are plain Latin ones."""
 _RARE = 4.5
 """Estimate, log10 km, from which a text counts as an event even if the baseline or its words do not show one."""
 _ASCII_LETTER, _LETTER = re.compile(r"[A-Za-z]"), re.compile(r"[^\W\d_]")
@@ -71,8 +74,8 @@ class TextRarity(Data):
 
     @model_validator(mode="after")
     def _is_ordered(self) -> "TextRarity":
-        found = [one for one in (self.low, self.best, self.high) if one is not None]
-        if len(found) not in (0, 3) or found != sorted(found):
+        figures = [figure for figure in (self.low, self.best, self.high) if figure is not None]
+        if len(figures) not in (0, 3) or figures != sorted(figures):
             raise ValueError("low, best and high are all given, in order, or all missing")
         return self
 
@@ -80,7 +83,7 @@ class TextRarity(Data):
         """Return the rarity after calibration."""
         if self.low is None or self.best is None or self.high is None:
             return self
-        low, best, high = (calibration.apply(one) for one in (self.low, self.best, self.high))
+        low, best, high = map(calibration.apply, (self.low, self.best, self.high))
         return self.model_copy(update={"low": low, "best": best, "high": high})
 
 
@@ -106,29 +109,31 @@ class Rarity(Data):
     """`None` if the price of the model is not known."""
 
     def __str__(self) -> str:
-        n = len(self.per_text)
-        if self.median is None:
-            line = f"rarity                 is unknown for all of {n} texts, by {self.by}"
-        else:
-            found = [rarity.best for rarity in self.per_text if rarity.best is not None]
-            ends = np.quantile(found, [0.1, 0.9])
-            line = (
-                f"rarity                 once in 10^{self.median:.1f} km (median; 80 % of texts "
-                f"10^{ends[0]:.1f} to 10^{ends[1]:.1f}), by {self.by}"
-            )
-            line += f"; unknown for {self.unknown} of {n}" if self.unknown else ""
-        unanswered = sum("not answered" in rarity.flags for rarity in self.per_text)
-        line += f"; not answered for {unanswered}" if unanswered else ""
+        parts = [f"rarity                 {self._median_line()}"]
+        if self.median is not None and self.unknown:
+            parts.append(f"unknown for {self.unknown} of {len(self.per_text)}")
+        if unanswered := sum("not answered" in rarity.flags for rarity in self.per_text):
+            parts.append(f"not answered for {unanswered}")
         if self.unanswered_rates and self.calibration is None:
-            line += (
-                f"; not calibrated, as none of {self.unanswered_rates} published rates was answered"
+            parts.append(
+                f"not calibrated, as none of {self.unanswered_rates} published rates was answered"
             )
         elif self.unanswered_rates:
-            line += f"; not answered for {self.unanswered_rates} published rates"
-        if not self.input_tokens + self.output_tokens:
-            return line
-        cost = "price not known" if self.cost_usd is None else _money(self.cost_usd)
-        return f"{line}; {self.input_tokens + self.output_tokens:,} tokens, {cost}"
+            parts.append(f"not answered for {self.unanswered_rates} published rates")
+        if tokens := self.input_tokens + self.output_tokens:
+            cost = "price not known" if self.cost_usd is None else _money(self.cost_usd)
+            parts.append(f"{tokens:,} tokens, {cost}")
+        return "; ".join(parts)
+
+    def _median_line(self) -> str:
+        if self.median is None:
+            return f"is unknown for all of {len(self.per_text)} texts, by {self.by}"
+        figures = [rarity.best for rarity in self.per_text if rarity.best is not None]
+        low, high = np.quantile(figures, [0.1, 0.9])
+        return (
+            f"once in 10^{self.median:.1f} km (median; 80 % of texts "
+            f"10^{low:.1f} to 10^{high:.1f}), by {self.by}"
+        )
 
 
 def _money(usd: float) -> str:
@@ -139,7 +144,7 @@ def gather_rarity(
     per_text: Sequence[TextRarity],
     by: str,
     anchors: Sequence[PublishedRate] | None,
-    own: Sequence[float],
+    anchor_estimates: Sequence[float],
 ) -> Rarity:
     """Return the rarity of a set, calibrated if there are anchors.
 
@@ -147,17 +152,17 @@ def gather_rarity(
         per_text: The rarity of each text.
         by: The name of what estimated it.
         anchors: The published rates.
-        own: The estimate of each anchor, in their order.
+        anchor_estimates: The estimate of each anchor, in their order.
     """
-    calibration = None if anchors is None else calibrate(anchors, own)
+    calibration = None if anchors is None else calibrate(anchors, anchor_estimates)
     if calibration is not None:
         per_text = [rarity.calibrated(calibration) for rarity in per_text]
-    found = [rarity.best for rarity in per_text if rarity.best is not None]
+    figures = [rarity.best for rarity in per_text if rarity.best is not None]
     return Rarity(
         by=by,
         per_text=tuple(per_text),
-        median=float(np.median(found)) if found else None,
-        unknown=len(per_text) - len(found),
+        median=float(np.median(figures)) if figures else None,
+        unknown=len(per_text) - len(figures),
         calibration=calibration,
     )
 
@@ -167,22 +172,31 @@ def estimate_rarity(
 ) -> Rarity:
     """Return the offline estimate for texts; see `oodscen.metrics._rarity.head`."""
     name = space.encoder.name
-    head, estimates, vectors = estimated(name, texts, space.vectors)
+    head, estimates, vectors = estimate(name, texts, space.vectors)
     off_topic = set(space.guard.flags(vectors).flagged) if vectors is not None else set()
-    per_text = []
-    for place, text in enumerate(texts):
-        flags = _flags(text, head, estimates, place)
-        is_refused = place in off_topic and estimates.best[place] < _RARE
-        if is_refused and not {"language", "no driving"} & set(flags):
-            flags.append("no driving")
-        values = (estimates.low[place], estimates.best[place], estimates.high[place])
-        low, best, high = (
-            (None,) * 3 if UNTOLD & set(flags) else (round(float(value), 2) for value in values)
-        )
-        ordered = tuple(flag for flag in FLAGS if flag in flags)
-        per_text.append(TextRarity(low=low, best=best, high=high, flags=ordered))
-    own = [] if anchors is None else anchor_estimates(space, anchors)
-    return gather_rarity(per_text, name if head.uses_vectors else "words", anchors, own)
+    per_text = [
+        _text_rarity(text, head, estimates, index, is_off_topic=index in off_topic)
+        for index, text in enumerate(texts)
+    ]
+    by_anchor = [] if anchors is None else estimate_anchors(space, anchors)
+    return gather_rarity(per_text, name if head.uses_vectors else "words", anchors, by_anchor)
+
+
+def _text_rarity(
+    text: str, head: Head, estimates: Estimates, index: int, *, is_off_topic: bool
+) -> TextRarity:
+    """Return the rarity of the text of an index; the guard is not believed where the head sees a rare event."""
+    flags = set(_flags(text, head, estimates, index))
+    if is_off_topic and estimates.best[index] < _RARE and "language" not in flags:
+        flags.add("no driving")
+    ordered = tuple(flag for flag in FLAGS if flag in flags)
+    if UNTOLD & flags:
+        return TextRarity(flags=ordered)
+    low, best, high = (
+        round(float(figures[index]), 2)
+        for figures in (estimates.low, estimates.best, estimates.high)
+    )
+    return TextRarity(low=low, best=best, high=high, flags=ordered)
 
 
 def estimated_km(encoder: Encoder | None, text: str) -> float | None:
@@ -194,29 +208,27 @@ def estimated_km(encoder: Encoder | None, text: str) -> float | None:
         `None` if a flag in `UNTOLD` applies by the text's own words.
     """
     name = "" if encoder is None else encoder.name
-    head, estimates, _ = estimated(
-        name, [text], lambda said: unit(encode(encoder, said)) if encoder else _NO_VECTORS
+    head, estimates, _ = estimate(
+        name, [text], lambda texts: unit_embeddings(encoder, texts) if encoder else _NO_VECTORS
     )
     if UNTOLD & set(_flags(text, head, estimates, 0)):
         return None
     return float(f"{10.0 ** estimates.best[0]:.1e}")
 
 
-def anchor_estimates(space: "BaselineSpace", anchors: Sequence[PublishedRate]) -> list[float]:
+def estimate_anchors(space: "BaselineSpace", anchors: Sequence[PublishedRate]) -> list[float]:
     """Return the head's estimate of each anchor, the mean over its wordings.
 
     Raises:
         DataError: If a wording tells of no driving, of something impossible, or is not in English.
     """
     wordings = [text for rate in anchors for text in rate.texts]
-    head, estimates, _ = estimated(space.encoder.name, wordings, space.vectors)
-    faults = [
-        Issue("texts", f"{cut(text)!r} cannot be estimated: {flags[0]}")
-        for place, text in enumerate(wordings)
-        if (
-            flags := sorted(_UNUSABLE & set(_flags(text, head, estimates, place, needs_road=False)))
-        )
-    ]
+    head, estimates, _ = estimate(space.encoder.name, wordings, space.vectors)
+    faults = []
+    for index, text in enumerate(wordings):
+        flags = _flags(text, head, estimates, index, needs_road=False)
+        if unusable := sorted(_UNUSABLE & set(flags)):
+            faults.append(Issue("texts", f"{cut(text)!r} cannot be estimated: {unusable[0]}"))
     if faults:
         raise DataError("rates", faults)
     best = iter(estimates.best)
@@ -224,15 +236,18 @@ def anchor_estimates(space: "BaselineSpace", anchors: Sequence[PublishedRate]) -
 
 
 def _flags(
-    text: str, head: Head, found: Estimates, place: int, *, needs_road: bool = True
+    text: str, head: Head, estimates: Estimates, index: int, *, needs_road: bool = True
 ) -> list[Flag]:
-    """Return the faults of a text that its words, and a head's estimate of it, show."""
+    """Return the faults of a text that its words, and a head's estimate at its index, show."""
     flags: list[Flag] = []
     letters = len(_LETTER.findall(text))
     is_mostly_signs = letters < 0.5 * len(re.sub(r"\s", "", text))
     if is_mostly_signs or is_number(text) or repeats_word(text):
         flags.append("no driving")
-    elif found.known[place] < _FEWEST_KNOWN or len(_ASCII_LETTER.findall(text)) < 0.8 * letters:
+    elif (
+        estimates.known_share[index] < _LEAST_KNOWN_SHARE
+        or len(_ASCII_LETTER.findall(text)) < _LEAST_ASCII_SHARE * letters
+    ):
         flags.append("language")
     elif needs_road and not names_road(text):
         flags.append("no driving")
@@ -240,11 +255,19 @@ def _flags(
         flags.append("impossible")
     if len(text) > _LONG:
         flags.append("long")
-    said = parts(text)
-    if len(said) > 1:
-        best = load_head("words").estimate(said).best
-        if sum(names_event(one) or x >= _RARE for one, x in zip(said, best, strict=True)) > 1:
-            flags.append("several events")
-    if found.near[place] < head.nearest:
+    if _count_events(parts(text)) > 1:
+        flags.append("several events")
+    if estimates.nearness[index] < head.least_nearness:
         flags.append("far")
     return flags
+
+
+def _count_events(text_parts: list[str]) -> int:
+    """Return the number of parts of a text that name an event or describe a rare one; a single part is one event."""
+    if len(text_parts) < 2:
+        return len(text_parts)
+    best = load_head("words").estimate(text_parts).best
+    return sum(
+        names_event(part) or log10_km >= _RARE
+        for part, log10_km in zip(text_parts, best, strict=True)
+    )

@@ -18,6 +18,7 @@ from oodscen.errors import UsageError
 from oodscen.metrics._rarity.estimates import Rarity, TextRarity
 
 _DRAWS = 1_000
+"""Draws of the kinds' errors, from which the interval is taken."""
 _Z = 1.645
 """Standard deviations from the median of a normal distribution to its 95th percentile."""
 
@@ -70,31 +71,41 @@ def exposure(per_text: Sequence[TextRarity], chosen: Sequence[bool]) -> Exposure
     Raises:
         UsageError: If there is not one choice per text, or one is neither true nor false.
     """
-    instances_of("chosen", chosen, bool, np.bool_)
-    if len(per_text) != len(chosen):
-        raise UsageError(f"{len(chosen)} choices do not fit {len(per_text)} texts")
-    known = [
+    check_choices(chosen, len(per_text))
+    figures = [
         (rarity.low, rarity.best, rarity.high, is_chosen)
         for rarity, is_chosen in zip(per_text, chosen, strict=True)
         if rarity.best is not None
     ]
-    if not known or (any(chosen) and not any(is_chosen for *_, is_chosen in known)):
+    if not figures or (any(chosen) and not any(is_chosen for *_, is_chosen in figures)):
         return None
-    low, best, high, own = np.array(known, np.float64).T
-    errors = stream(0, "exposure").standard_normal((_DRAWS, len(known)))
+    low, best, high, weights = np.array(figures, np.float64).T
+    share = _share(best, weights)
+    errors = stream(0, "exposure").standard_normal((_DRAWS, len(figures)))
     drawn = best + errors * np.where(errors < 0.0, best - low, high - best) / _Z
-    shares = np.array([_share(values, own) for values in (best, *drawn)])
-    ends = np.quantile(shares[1:], [0.05, 0.95])
+    ends = np.quantile([_share(log10_km, weights) for log10_km in drawn], [0.05, 0.95])
     return Exposure(
-        share=shares[0],
-        low=min(ends[0], shares[0]),
-        high=max(ends[1], shares[0]),
+        share=share,
+        low=min(float(ends[0]), share),
+        high=max(float(ends[1]), share),
         chosen=sum(map(bool, chosen)),
         total=len(per_text),
-        unknown=len(per_text) - len(known),
+        unknown=len(per_text) - len(figures),
     )
 
 
-def _share(log10_km: np.ndarray, own: np.ndarray) -> float:
+def check_choices(chosen: Sequence[bool], count: int) -> None:
+    """Check that there is one choice for each of `count` texts.
+
+    Raises:
+        UsageError: If there is not, or one is neither true nor false.
+    """
+    instances_of("chosen", chosen, bool, np.bool_)
+    if len(chosen) != count:
+        raise UsageError(f"{len(chosen)} choices do not fit {count} texts")
+
+
+def _share(log10_km: np.ndarray, weights: np.ndarray) -> float:
+    """Return the share of meetings with the kinds of weight 1, the others having 0."""
     rates = 10.0 ** (log10_km.min() - log10_km)
-    return min(float(rates @ own / rates.sum()), 1.0)
+    return min(float(rates @ weights / rates.sum()), 1.0)

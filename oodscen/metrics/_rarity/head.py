@@ -27,6 +27,9 @@ Values = NDArray[np.float64]
 MINILM = "all-MiniLM-L6-v2@"
 """Beginning of the names of encoders whose vectors the head was fitted to."""
 _BLOCK = 512
+"""Texts of a block, which bound the memory."""
+_LEAST, _MOST = -1.0, 12.0
+"""Range of estimates, log10 km."""
 
 
 class Estimates(NamedTuple):
@@ -35,9 +38,9 @@ class Estimates(NamedTuple):
     low: Values
     best: Values
     high: Values
-    near: Values
+    nearness: Values
     """Largest kernel value of an inducing point, in (0, 1]."""
-    known: Values
+    known_share: Values
     """Share of the words whose stems are known."""
 
 
@@ -47,23 +50,20 @@ class Head:
     def __init__(self, arrays: dict[str, NDArray[Any]], kind: str) -> None:
         self.kind = kind
         self.uses_vectors = kind == "minilm"
-        self.words = Words([str(one) for one in arrays["vocabulary"]], arrays["weights"])
-        part = {name.removeprefix(f"{kind}."): value for name, value in arrays.items()}
-        self._beta = part["beta"].astype(np.float32)
-        self._alpha = part["alpha"].astype(np.float32)
-        self._constant, self._gamma = float(part["constant"]), float(part["gamma"])
-        self.nearest = float(part["nearest"])
+        self.words = Words([str(stem) for stem in arrays["vocabulary"]], arrays["weights"])
+        fit = {name.removeprefix(f"{kind}."): value for name, value in arrays.items()}
+        self._beta = fit["beta"].astype(np.float32)
+        self._alpha = fit["alpha"].astype(np.float32)
+        self._constant, self._gamma = float(fit["constant"]), float(fit["gamma"])
+        self.least_nearness = float(fit["nearest"])
         """Nearness below which the head gives no figure."""
-        self._low, self._high = part["low"], part["high"]
+        self._low, self._high = fit["low"], fit["high"]
         self._points = inducing_points(arrays, self.uses_vectors)
         self._lengths = squares(self._points)
 
     def estimate(self, texts: Sequence[str], vectors: Vectors | None = None) -> Estimates:
-        """Return the estimates of texts; a head that uses vectors takes theirs, [n, d] of unit length.
-
-        Memory is bounded by blocks of 512 texts.
-        """
-        best, near = np.empty(len(texts)), np.empty(len(texts))
+        """Return the estimates of texts; a head that uses vectors takes theirs, [n, d] of unit length."""
+        best, nearness = np.empty(len(texts)), np.empty(len(texts))
         for first in range(0, len(texts), _BLOCK):
             block = slice(first, first + _BLOCK)
             rows = self.words.rows(texts[block])
@@ -72,14 +72,14 @@ class Head:
                 rows = np.hstack([np.asarray(vectors[block], np.float32), rows])
             values = kernel(rows, self._points, self._gamma, self._lengths)
             best[block] = self._constant + rows @ self._beta + values @ self._alpha
-            near[block] = values.max(axis=1)
-        best = np.clip(best, -1.0, 12.0)
-        low, high = between(best, self._low, self._high)
-        known = np.array([self.words.known(text) for text in texts])
-        return Estimates(low, best, high, near, known)
+            nearness[block] = values.max(axis=1)
+        best = np.clip(best, _LEAST, _MOST)
+        low, high = interval_ends(best, self._low, self._high)
+        known_share = np.array([self.words.known_share(text) for text in texts])
+        return Estimates(low, best, high, nearness, known_share)
 
 
-def between(best: Values, low: Values, high: Values) -> tuple[Values, Values]:
+def interval_ends(best: Values, low: Values, high: Values) -> tuple[Values, Values]:
     """Return the ends of the intervals of estimates, by lines [2] of constant and slope."""
     return np.minimum(low[0] + low[1] * best, best), np.maximum(high[0] + high[1] * best, best)
 
@@ -93,20 +93,19 @@ def kernel(
     rows: NDArray[Any], points: NDArray[Any], gamma: float, lengths: NDArray[Any] | None = None
 ) -> NDArray[Any]:
     """Return exp(-gamma |x - l|^2) for every row and point, [n, m]; `lengths` are the points' `squares`."""
-    known = squares(points) if lengths is None else lengths
-    lengths = squares(rows)[:, None] + known
-    apart = lengths - 2.0 * rows @ points.T
-    return np.asarray(np.exp(-gamma * np.maximum(apart, 0.0)))
+    point_squares = squares(points) if lengths is None else lengths
+    distances = (squares(rows)[:, None] + point_squares) - 2.0 * rows @ points.T
+    return np.asarray(np.exp(-gamma * np.maximum(distances, 0.0)))
 
 
 def inducing_points(arrays: dict[str, NDArray[Any]], uses_vectors: bool) -> NDArray[np.float32]:
-    """Return the inducing points [m, d + V] or [m, V]; their stems are stored as places, row by row."""
-    starts, places = arrays["starts"], arrays["places"]
+    """Return the inducing points [m, d + V] or [m, V]; their stems are stored as columns, row by row."""
+    starts, columns = arrays["starts"], arrays["places"]
     rows = np.zeros((len(starts) - 1, len(arrays["weights"])), np.float32)
     for row, (first, last) in zip(rows, pairwise(starts), strict=True):
-        row[places[first:last]] = arrays["weights"][places[first:last]]
-    length = np.linalg.norm(rows, axis=1, keepdims=True)
-    rows /= np.where(length > 0.0, length, 1.0)
+        row[columns[first:last]] = arrays["weights"][columns[first:last]]
+    lengths = np.linalg.norm(rows, axis=1, keepdims=True)
+    rows /= np.where(lengths > 0.0, lengths, 1.0)
     if not uses_vectors:
         return rows
     return np.hstack([arrays["vectors"].astype(np.float32) * arrays["scale"][:, None], rows])
@@ -116,15 +115,15 @@ def inducing_points(arrays: dict[str, NDArray[Any]], uses_vectors: bool) -> NDAr
 def load_head(kind: str) -> Head:
     """Return the shipped head, `minilm` or `words`."""
     shipped = resources.files("oodscen.metrics._rarity").joinpath("head.npz")
-    with shipped.open("rb") as file, np.load(file, allow_pickle=False) as found:
-        return Head(dict(found), kind)
+    with shipped.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+        return Head(dict(arrays), kind)
 
 
-def estimated(
+def estimate(
     encoder: str, texts: Sequence[str], encode: Callable[[list[str]], Vectors]
 ) -> tuple[Head, Estimates, Vectors | None]:
     """Return the head for the encoder of this name, its estimates, and the vectors if the head uses them."""
-    said = [without_courtesy(text) for text in texts]
-    is_known = encoder.startswith(MINILM)
-    head, vectors = load_head("minilm" if is_known else "words"), encode(said) if is_known else None
-    return head, head.estimate(said, vectors), vectors
+    plain = [without_courtesy(text) for text in texts]
+    head = load_head("minilm" if encoder.startswith(MINILM) else "words")
+    vectors = encode(plain) if head.uses_vectors else None
+    return head, head.estimate(plain, vectors), vectors

@@ -11,10 +11,13 @@ _BEINGS: Final = (
     r"aliens?|ghosts?(?! (?:drivers?|riders?)\b)|unicorns?|dragons?|zombies?|wizards?|witch(?:es)?|mermaids?|werewol(?:f|ves)|vampires?|"
     r"godzilla|sorcerers?|dinosaurs?|mammoths?|centaurs?|trolls?|goblins?|spaceships?|starships?|ufos?|flying saucers?"
 )
+_READ = 20_000
+"""Characters of a text that are searched."""
 _DISPLAYED = re.compile(
     r"\b(?:costumes?|dressed|masks?|posters?|billboards?|inflatables?|balloons?|statues?|floats?|toys?|painted|"
     r"printed|models?|mascots?|carnival|halloween|film|movie|sculptures?|replicas?|cardboard)\b"
 )
+"""Words of what only shows a being."""
 _GROUND: Final = (
     r"(?:cars?|trucks?|lorr(?:y|ies)|bus(?:es)?|vans?|vehicles?|trams?|bicycles?|pedestrians?|houses?|bridges?|trees?|"
     r"cows?|horses?|elephants?|traffic lights?|road|street|lane|buildings?|people|man|woman|child|ego)"
@@ -23,10 +26,10 @@ _HEAVY: Final = r"(?:cars?|trucks?|lorr(?:y|ies)|bus(?:es)?|vans?|vehicles?|tram
 _ROOTED: Final = (
     r"(?:trees?|traffic lights?|houses?|buildings?|lamp posts?|bridges?|hydrants?|walls?)"
 )
+_BEING = re.compile(rf"(?<!like a )(?<!like an )\b(?:{_BEINGS})\b")
 _IMPOSSIBLE = tuple(
     re.compile(pattern)
     for pattern in (
-        rf"(?<!like a )(?<!like an )\b(?:{_BEINGS})\b",
         r"\b(?:teleport|levitat|dematerial|antigravit|time ?warp|time[- ]travel)\w*",
         rf"\b{_GROUND} (?:\w+ )?(?:flies|is flying|hovers|floats) (?:\w+ ){{0,2}}(?:over|above|through|in) (?:the |mid-?)?"
         r"(?:air|sky|clouds?|roofs?|city|rooftops?)\b",
@@ -67,27 +70,28 @@ _ENTERS = re.compile(
     r"tumbl|topple|slid|plung|slam|rush|burst|escap|break|explod|collaps|run|land)(?:s|es)?\b"
 )
 """A thing that a part is the first to mention, and that does something sudden."""
-_PART = re.compile(
+_PART_BREAK = re.compile(
     r"(?<=[.!?;])\s+|,?\s+(?:and then|then|while|just as|at the same time|meanwhile|moments later|after which)\s+"
 )
 
 
 def is_impossible(text: str) -> bool:
     """Return whether a text names a thing, an act or a speed that does not exist."""
-    lower = text[:20_000].lower()
-    for number, pattern in enumerate(_IMPOSSIBLE):
-        if pattern.search(lower) and not (number == 0 and _DISPLAYED.search(lower)):
-            return True
+    lower = text[:_READ].lower()
+    if _BEING.search(lower) and not _DISPLAYED.search(lower):
+        return True
+    if any(pattern.search(lower) for pattern in _IMPOSSIBLE):
+        return True
     return any(
-        float(re.sub(r"\D", "", whole)) > limit
+        float(re.sub(r"\D", "", number)) > limit
         for speed, limit in _FASTEST
-        for whole in speed.findall(lower)
+        for number in speed.findall(lower)
     )
 
 
 def parts(text: str) -> list[str]:
     """Return the sentences and joined clauses of a text that have three words or more."""
-    return [one for one in _PART.split(text[:20_000]) if one and len(one.split()) > 2]
+    return [part for part in _PART_BREAK.split(text[:_READ]) if part and len(part.split()) > 2]
 
 
 def names_event(part: str) -> bool:

@@ -17,7 +17,9 @@ tractor traffic trailer train tram trolley truck tunnel tyre tire underpass van 
 wiper zebra
 """
 _FEWEST = 6
-"""Words of a text that must name something of the road: a shorter one may be the label of a kind."""
+"""Words from which a text must name something of the road: a shorter one may be the label of a kind."""
+_READ = 1_000
+"""Characters of a text that are searched for numbers and repeated words."""
 _WORD = re.compile(r"[^\W\d_]+")
 _TOKEN = re.compile(r"\d+|[^\W\d_]+")
 _NUMBERS: Final = frozenset(
@@ -27,30 +29,33 @@ _NUMBERS: Final = frozenset(
 )
 
 _EMPHATIC: Final = frozenset("far long many no really so too very".split())
+"""Words that a sentence may repeat for emphasis."""
 
 
 def is_number(text: str) -> bool:
     """Return whether a text says nothing but numbers and units of length, or has more numbers than words."""
-    found = _TOKEN.findall(text[:1_000].lower())
-    words = [word for word in found if not word.isdecimal() and word not in _NUMBERS]
-    return len(words) < sum(word.isdecimal() for word in found) or not words
+    tokens = _TOKEN.findall(text[:_READ].lower())
+    words = [token for token in tokens if not token.isdecimal() and token not in _NUMBERS]
+    numbers = sum(token.isdecimal() for token in tokens)
+    return not words or len(words) < numbers
 
 
 def repeats_word(text: str) -> bool:
     """Return whether a text has one word three times in a row, as no sentence does but for emphasis."""
-    found = _WORD.findall(text[:1_000].lower())
-    thrice = {
-        one for one, *rest in zip(found, found[1:], found[2:], strict=False) if {*rest} == {one}
-    }
-    return bool(thrice - _EMPHATIC) or (bool(thrice) and len(set(found)) == 1)
+    words = _WORD.findall(text[:_READ].lower())
+    in_a_row = zip(words, words[1:], words[2:], strict=False)
+    thrice = {first for first, second, third in in_a_row if first == second == third}
+    if thrice - _EMPHATIC:
+        return True
+    return bool(thrice) and len(set(words)) == 1
 
 
 def names_road(text: str) -> bool:
     """Return whether a text names a road, a vehicle or one who uses them, or is too short to have to."""
-    found = stems(text)
-    return len(found) < _FEWEST or not _road().isdisjoint(found)
+    text_stems = stems(text)
+    return len(text_stems) < _FEWEST or not _road_stems().isdisjoint(text_stems)
 
 
 @cache
-def _road() -> frozenset[str]:
+def _road_stems() -> frozenset[str]:
     return frozenset(stems(_ROAD))

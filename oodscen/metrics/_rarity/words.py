@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 _WORD = re.compile(r"[a-z]{2,}")
 _ANY_WORD = re.compile(r"\w{2,}")
 _STEMMER = snowballstemmer.stemmer("english")
-_SENTENCE = re.compile(r"(?<=[.!?:])\s+")
+_SENTENCE_BREAK = re.compile(r"(?<=[.!?:])\s+")
 _COURTEOUS: Final = """
 apologies apologise appreciate attention cheers colleague colleagues dear excuse forgive grateful greetings hello hi kind kindly obliged pardon
 please regards sincerely sir madam sorry thank thanks thankful welcome wishes yours
@@ -40,19 +40,20 @@ def _stem(word: str) -> str:
 
 def without_courtesy(text: str) -> str:
     """Return a text without its sentences of courtesy alone; the text itself if there are no others."""
-    said = _SENTENCE.split(text)
-    kept = [one for one in said if not _is_courtesy(one)]
-    return " ".join(kept) if 0 < len(kept) < len(said) else text
+    sentences = _SENTENCE_BREAK.split(text)
+    others = [sentence for sentence in sentences if not _is_courtesy(sentence)]
+    return " ".join(others) if 0 < len(others) < len(sentences) else text
 
 
 def _is_courtesy(sentence: str) -> bool:
-    courteous, filling = _courtesy()
-    found = set(stems(sentence))
-    return not found.isdisjoint(courteous) and found <= courteous | filling
+    courteous, filling = _courtesy_stems()
+    sentence_stems = set(stems(sentence))
+    return not sentence_stems.isdisjoint(courteous) and sentence_stems <= courteous | filling
 
 
 @cache
-def _courtesy() -> tuple[frozenset[str], frozenset[str]]:
+def _courtesy_stems() -> tuple[frozenset[str], frozenset[str]]:
+    """Return the stems of courteous words, and of those that say nothing beside them."""
     return frozenset(stems(_COURTEOUS)), frozenset(stems(_FILLING))
 
 
@@ -60,19 +61,20 @@ class Words:
     """Maps texts to rows of weighted stems; [V] weights are the inverse document frequencies of a vocabulary."""
 
     def __init__(self, vocabulary: Sequence[str], weights: NDArray[np.floating]) -> None:
-        self._place = {stem: place for place, stem in enumerate(vocabulary)}
+        self._columns = {stem: column for column, stem in enumerate(vocabulary)}
         self._weights = np.asarray(weights, np.float32)
 
     def rows(self, texts: Sequence[str]) -> NDArray[np.float32]:
         """Return [n, V] rows of unit length; zero for a text without a known stem."""
-        found = np.zeros((len(texts), len(self._weights)), np.float32)
-        for row, text in zip(found, texts, strict=True):
-            row[[self._place[stem] for stem in stems(text) if stem in self._place]] = 1.0
-        found *= self._weights
-        length = np.linalg.norm(found, axis=1, keepdims=True)
-        return np.asarray(found / np.maximum(length, _LEAST_LENGTH), np.float32)
+        rows = np.zeros((len(texts), len(self._weights)), np.float32)
+        for row, text in zip(rows, texts, strict=True):
+            row[[self._columns[stem] for stem in stems(text) if stem in self._columns]] = 1.0
+        rows *= self._weights
+        lengths = np.linalg.norm(rows, axis=1, keepdims=True)
+        return np.asarray(rows / np.maximum(lengths, _LEAST_LENGTH), np.float32)
 
-    def known(self, text: str) -> float:
+    def known_share(self, text: str) -> float:
         """Return the share of a text's words, of any alphabet, whose stems are known."""
         total = len(_ANY_WORD.findall(text))
-        return sum(stem in self._place for stem in stems(text)) / total if total else 0.0
+        known = sum(stem in self._columns for stem in stems(text))
+        return known / total if total else 0.0

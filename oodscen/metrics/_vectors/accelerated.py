@@ -13,7 +13,9 @@ from oodscen.encoders._similarity import Nearest, Rows, Vectors
 from oodscen.errors import MissingExtra, UsageError
 
 _ROWS = 8192
+"""Queries of a block of cosines."""
 _COLUMNS = 8192
+"""References of a block of cosines."""
 
 
 def chosen_device(name: str) -> str:
@@ -36,8 +38,8 @@ def chosen_device(name: str) -> str:
     try:
         torch.empty(0, device=name)
     except (RuntimeError, AssertionError) as error:
-        first = str(error).splitlines()[0]
-        raise UsageError(f"torch cannot use the device {name!r} here: {first}") from None
+        reason = str(error).splitlines()[0]
+        raise UsageError(f"torch cannot use the device {name!r} here: {reason}") from None
     return name
 
 
@@ -51,24 +53,24 @@ def nearest(queries: Vectors, references: Rows, device: str) -> Nearest:
     n = len(queries)
     best = torch.full((n,), -float("inf"), device=device)
     index = torch.zeros(n, dtype=torch.int64, device=device)
-    allowed = torch.backends.cuda.matmul.allow_tf32
+    allows_tf32 = torch.backends.cuda.matmul.allow_tf32
     torch.backends.cuda.matmul.allow_tf32 = False
     try:
         for first in range(0, len(references), _COLUMNS):
-            block = _sent(references[first : first + _COLUMNS], device)
+            block = _to_device(references[first : first + _COLUMNS], device)
             for row in range(0, n, _ROWS):
                 rows = slice(row, min(row + _ROWS, n))
-                value, place = (_sent(queries[rows], device) @ block.T).max(dim=1)
-                better = value > best[rows]
-                best[rows] = torch.where(better, value, best[rows])
-                index[rows] = torch.where(better, place + first, index[rows])
+                cosine, column = (_to_device(queries[rows], device) @ block.T).max(dim=1)
+                better = cosine > best[rows]
+                best[rows] = torch.where(better, cosine, best[rows])
+                index[rows] = torch.where(better, column + first, index[rows])
     finally:
-        torch.backends.cuda.matmul.allow_tf32 = allowed
-    cosine = np.clip(best.cpu().numpy().astype(np.float64), -1.0, 1.0)
-    return Nearest(cosine, index.cpu().numpy())
+        torch.backends.cuda.matmul.allow_tf32 = allows_tf32
+    cosines = np.clip(best.cpu().numpy().astype(np.float64), -1.0, 1.0)
+    return Nearest(cosines, index.cpu().numpy())
 
 
-def _sent(rows: Vectors, device: str) -> Any:
+def _to_device(rows: Vectors, device: str) -> Any:
     import torch
 
     # torch.from_numpy warns about read-only arrays such as memory maps, so those are copied.

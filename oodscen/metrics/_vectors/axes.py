@@ -18,15 +18,15 @@ def principal_axes(
     """
     wide = np.asarray(vectors, np.float64)
     mean = wide.mean(axis=0)
-    apart = wide - mean
-    scatter = apart.T @ apart
+    centred = wide - mean
+    scatter = centred.T @ centred
     values, columns = np.linalg.eigh(scatter)
     total = float(np.trace(scatter)) or 1.0
-    found, share = np.zeros((2, wide.shape[1])), np.zeros(2)
-    for place in range(min(2, len(values), max(len(wide) - 1, 0))):
-        value, axis = float(values[-1 - place]), columns[:, -1 - place]
+    axes, shares = np.zeros((2, wide.shape[1])), np.zeros(2)
+    for index in range(min(2, len(values), max(len(wide) - 1, 0))):
+        value, axis = float(values[-1 - index]), columns[:, -1 - index]
         if value <= _NO_SHARE * total:
             break
-        found[place] = axis * np.sign(axis[np.abs(axis).argmax()])
-        share[place] = value / total
-    return mean, found, share
+        axes[index] = axis * np.sign(axis[np.abs(axis).argmax()])
+        shares[index] = value / total
+    return mean, axes, shares

@@ -22,24 +22,26 @@ from oodscen.errors import UsageError
 from oodscen.metrics._diversity import mean_pairwise
 
 _STEP = 1024
-_MEDIAN = 1000
+"""Rows of a block of distances."""
+_MEDIAN_ROWS = 1000
+"""Rows of the reference, about, whose distances give the width of the kernel."""
 _NO_SHARE = 1e-12
 """Share of an eigenvalue up to which it is zero but for rounding."""
 
 
 def mmd(a: Vectors, b: Vectors) -> float:
     """Return the unbiased squared maximum mean discrepancy of two sets of at least 2 rows; `b` is the reference."""
-    _need(2, a, b)
-    some = b[:: max(1, len(b) // _MEDIAN)].astype(np.float64)
-    spread = float(np.median(_squared(some, some)[np.triu_indices(len(some), 1)]))
-    scale = spread if spread > 0.0 else 1.0
+    _require_rows(2, a, b)
+    sample = b[:: max(1, len(b) // _MEDIAN_ROWS)].astype(np.float64)
+    median = float(np.median(_squared_distances(sample, sample)[np.triu_indices(len(sample), 1)]))
+    scale = median if median > 0.0 else 1.0
     within = [(_kernel_sum(x, x, scale) - len(x)) / (len(x) * (len(x) - 1)) for x in (a, b)]
     return within[0] + within[1] - 2.0 * _kernel_sum(a, b, scale) / (len(a) * len(b))
 
 
 def frechet(a: Vectors, b: Vectors) -> float:
     """Return the Fréchet distance between normal distributions fitted to two sets of at least 2 rows."""
-    _need(2, a, b)
+    _require_rows(2, a, b)
     (mean_a, cov_a), (mean_b, cov_b) = _moments(a), _moments(b)
     values, axes = np.linalg.eigh(cov_a)
     root = axes * np.sqrt(np.maximum(values, 0.0)) @ axes.T
@@ -50,24 +52,24 @@ def frechet(a: Vectors, b: Vectors) -> float:
 
 def vendi(vectors: Vectors) -> float:
     """Return the Vendi score of a set; a zero vector counts as unlike all others."""
-    _need(1, vectors)
+    _require_rows(1, vectors)
     wide = vectors.astype(np.float64)
-    n, size = wide.shape
-    empty = int((np.square(wide).sum(axis=1) == 0.0).sum())
+    n, dimension = wide.shape
+    zero_rows = int((np.square(wide).sum(axis=1) == 0.0).sum())
     # K and the d x d matrix share their non-zero eigenvalues: the smaller one is enough.
-    gram = wide.T @ wide if n > size else wide @ wide.T
-    values = np.concatenate([np.linalg.eigvalsh(gram), np.ones(empty)]) / n
+    gram = wide.T @ wide if n > dimension else wide @ wide.T
+    values = np.concatenate([np.linalg.eigvalsh(gram), np.ones(zero_rows)]) / n
     positive = values[values > _NO_SHARE]
     return float(np.exp(-(positive * np.log(positive)).sum()))
 
 
 def remote_clique(vectors: Vectors) -> float:
     """Return the mean distance 1 - cos over all pairs of a set of at least 2 rows."""
-    _need(2, vectors)
+    _require_rows(2, vectors)
     return 1.0 - mean_pairwise(vectors)
 
 
-def _need(least: int, *sets: Vectors) -> None:
+def _require_rows(least: int, *sets: Vectors) -> None:
     for vectors in sets:
         if len(vectors) < least:
             raise UsageError(f"needs at least {least} texts in a set, and one has {len(vectors)}")
@@ -76,10 +78,11 @@ def _need(least: int, *sets: Vectors) -> None:
 def _moments(vectors: Vectors) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     wide = vectors.astype(np.float64)
     mean = wide.mean(axis=0)
-    return mean, np.atleast_2d((wide - mean).T @ (wide - mean) / (len(wide) - 1))
+    centred = wide - mean
+    return mean, np.atleast_2d(centred.T @ centred / (len(wide) - 1))
 
 
-def _squared(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+def _squared_distances(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
     lengths = np.square(a).sum(axis=1)[:, None] + np.square(b).sum(axis=1)
     return np.asarray(np.maximum(lengths - 2.0 * (a @ b.T), 0.0), np.float64)
 
@@ -88,5 +91,5 @@ def _kernel_sum(a: Vectors, b: Vectors, scale: float) -> float:
     wide, total = b.astype(np.float64), 0.0
     for first in range(0, len(a), _STEP):
         block = a[first : first + _STEP].astype(np.float64)
-        total += float(np.exp(_squared(block, wide) / (-2.0 * scale)).sum())
+        total += float(np.exp(_squared_distances(block, wide) / (-2.0 * scale)).sum())
     return total

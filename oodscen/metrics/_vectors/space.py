@@ -14,8 +14,8 @@ from oodscen.baselines._controls import load_controls
 from oodscen.baselines._embedded import EmbeddedBaseline
 from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.encoders._cached import CachedEncoder, cache_folder
-from oodscen.encoders._check import encode
-from oodscen.encoders._similarity import Nearest, Rows, Vectors, nearest, smallest, unit
+from oodscen.encoders._check import unit_embeddings
+from oodscen.encoders._similarity import Nearest, Rows, Vectors, nearest, smallest
 from oodscen.errors import UsageError
 from oodscen.metrics._detection.calibration import held_out_scores, separate_groups
 from oodscen.metrics._detection.detectors import DetectorName, Detectors
@@ -27,8 +27,10 @@ from oodscen.protocols import Encoder
 _SHIPPED = "shipped"
 """Cache folder for the vectors of this library's own texts, including its baseline."""
 _PARTS = 4
-_ASKED = 300
+"""Parts of the baseline, each held out from a detector that is fitted to the others."""
+_SCORED_PER_PART = 300
 _MOST_GROUPED = 20_000
+"""Texts up to which similar ones are held out together; above, the search for them takes too long."""
 
 
 class BaselineSpace:
@@ -56,14 +58,14 @@ class BaselineSpace:
 
     def vectors(self, texts: Sequence[str]) -> Vectors:
         """Return the vectors of texts to score; they are kept in memory."""
-        return unit(encode(self._memory, texts))
+        return unit_embeddings(self._memory, texts)
 
     @cached_property
     def reference(self) -> Rows:
         """The baseline's vectors."""
         if isinstance(self.baseline, EmbeddedBaseline):
             return self.baseline
-        return self._kept(self.baseline.texts)
+        return self._beside_baseline(self.baseline.texts)
 
     @property
     def whole(self) -> Vectors:
@@ -77,9 +79,9 @@ class BaselineSpace:
                 f"this needs the texts of the baseline, and {self.baseline.name} holds embeddings alone: "
                 "pass a Baseline"
             )
-        found = self.reference
-        assert isinstance(found, np.ndarray)
-        return found
+        vectors = self.reference
+        assert isinstance(vectors, np.ndarray)
+        return vectors
 
     def nearest(self, vectors: Vectors) -> Nearest:
         """Return the nearest baseline vector of each row."""
@@ -94,7 +96,7 @@ class BaselineSpace:
     @cached_property
     def detectors(self) -> Detectors:
         """The detectors fitted to the baseline."""
-        return Detectors(self.baseline.texts, self.whole, self._kept)
+        return Detectors(self.baseline.texts, self.whole, self._beside_baseline)
 
     @cached_property
     def guard(self) -> Guard:
@@ -106,7 +108,12 @@ class BaselineSpace:
 
         For all but `tabulated`, the groups of similar texts are split into 4 parts; a detector fitted to three of
         them scores up to 300 texts of the fourth. The baseline is smaller then, so texts appear slightly more OOD.
+
+        Raises:
+            UsageError: If the baseline has a single text, or its vectors are on disk.
         """
+        if len(self.whole) < 2:
+            raise UsageError("no text can be held out of a baseline of one text")
         if measure not in self._held_out:
             self._held_out[measure] = (
                 held_out_scores(self.whole, self.seed)
@@ -118,22 +125,24 @@ class BaselineSpace:
     def _in_parts(
         self, measure: DetectorName | Literal["printed"]
     ) -> tuple[NDArray[np.float64], int]:
-        whole, texts = self.whole, np.array(self.baseline.texts, object)
-        group = separate_groups(whole) if len(whole) <= _MOST_GROUPED else np.arange(len(whole))
+        """Return the scores of texts of each part by a measure against the other parts, and the number of groups."""
+        vectors, texts = self.whole, np.array(self.baseline.texts, object)
+        is_grouped = len(vectors) <= _MOST_GROUPED
+        group = separate_groups(vectors) if is_grouped else np.arange(len(vectors))
         count = int(group.max()) + 1
         draws = stream(self.seed, "calibration", "parts")
         part = draws.permutation(count)[group] % min(_PARTS, count)
-        found = []
+        scores = []
         for number in range(int(part.max()) + 1):
-            out = np.flatnonzero(part == number)
-            asked = np.sort(out[draws.permutation(len(out))[:_ASKED]])
-            rest = np.ascontiguousarray(whole[part != number])
+            members = np.flatnonzero(part == number)
+            scored = np.sort(members[draws.permutation(len(members))[:_SCORED_PER_PART]])
+            rest = np.ascontiguousarray(vectors[part != number])
             if measure == "printed":
-                found.append(smallest(whole[asked], rest))
+                scores.append(smallest(vectors[scored], rest))
                 continue
-            fitted = Detectors(tuple(texts[part != number]), rest, self._kept)
-            found.append(fitted.score(measure, tuple(texts[asked]), whole[asked]))
-        return np.concatenate(found), count
+            detectors = Detectors(tuple(texts[part != number]), rest, self._beside_baseline)
+            scores.append(detectors.score(measure, tuple(texts[scored]), vectors[scored]))
+        return np.concatenate(scores), count
 
     def control_scores(self, measure: Measure) -> NDArray[np.float64]:
         """Return the OOD-ness of the ordinary controls reserved for reporting."""
@@ -156,13 +165,15 @@ class BaselineSpace:
         is_shipped = digest == ordinary_driving().digest()
         return _SHIPPED if is_shipped else f"baselines/{digest[:16]}"
 
-    def _kept(self, texts: Sequence[str]) -> Vectors:
+    def _beside_baseline(self, texts: Sequence[str]) -> Vectors:
+        """Return the vectors of texts that the baseline needs, from its cache folder."""
         return self._stored(texts, self._folder)
 
     def _stored(self, texts: Sequence[str], folder: str = _SHIPPED) -> Vectors:
+        """Return the vectors of texts, cached in a folder if the encoder's name determines its values."""
         encoder = self.encoder
         if optional(encoder, "cacheable", False) is True:
             encoder = self._stores.setdefault(
                 folder, CachedEncoder(encoder, cache_folder() / folder)
             )
-        return unit(encode(encoder, texts))
+        return unit_embeddings(encoder, texts)

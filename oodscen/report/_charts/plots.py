@@ -14,7 +14,7 @@ from oodscen._numbers import said, whole_number
 from oodscen._text import text_fault
 from oodscen.encoders._similarity import Vectors
 from oodscen.errors import UsageError
-from oodscen.metrics._measurements import size_curve_of
+from oodscen.metrics._measurements import size_curve
 from oodscen.metrics._vectors.axes import principal_axes
 from oodscen.report._charts.sets import (
     Cloud,
@@ -103,7 +103,7 @@ def _size_curve(sets: Mapping[str, Vectors], *, repeats: int, seed: int) -> "Fig
             raise UsageError(f"the set {name!r} has one text, and diversity needs two")
         if (np.abs(np.linalg.norm(vectors, axis=1) - 1.0) > _UNIT_ERROR).any():
             raise UsageError(f"the set {name!r} must be vectors of unit length for a size curve")
-        sizes, means, spreads = size_curve_of(
+        sizes, means, spreads = size_curve(
             vectors, seed, name, count=_SIZES, repeats=repeats, most=len(vectors)
         )
         rims = zip((means - spreads).tolist(), (means + spreads).tolist(), strict=True)

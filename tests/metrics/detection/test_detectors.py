@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen import Metrics
-from oodscen.metrics._detection.anchors import anchors
+from oodscen.metrics._detection.anchors import load_anchors
 from oodscen.metrics._detection.detectors import DETECTORS, clauses, ledoit_wolf, shrunk
 from oodscen.testing._encoder import HashEncoder
 
@@ -62,7 +62,7 @@ def test_clauses_lose_no_word_but_lone_ones():
 
 
 def test_anchors_are_pairs_that_differ():
-    for pairs in anchors():
+    for pairs in load_anchors():
         assert all(calm != odd and calm and odd for calm, odd in pairs)
         assert len(set(pairs)) == len(pairs)
 

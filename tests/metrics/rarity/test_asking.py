@@ -30,7 +30,7 @@ def good(request):
 
 
 def test_the_median_of_draws_counts_and_the_interval_holds_all():
-    found = ask_rarity(ScriptedLLM(good), TEXTS)
+    found = ask_rarity(ScriptedLLM(good), TEXTS, draws=3)
     light, sofa, eggs = found.per_text
     assert light.draws == pytest.approx((0.5, 0.6, 0.7))
     assert light.best == pytest.approx(0.6)
@@ -62,7 +62,7 @@ def test_nonsense_is_flagged_and_never_a_figure(bad):
 
 
 def test_one_failed_draw_leaves_the_others():
-    found = ask_rarity(ScriptedLLM(lambda r: "no" if r.sample == 1 else good(r)), TEXTS)
+    found = ask_rarity(ScriptedLLM(lambda r: "no" if r.sample == 1 else good(r)), TEXTS, draws=3)
     assert len(found.per_text[0].draws) == 2
 
 

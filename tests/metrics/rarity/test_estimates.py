@@ -6,8 +6,8 @@ from hypothesis import strategies as st
 
 from oodscen import Metrics
 from oodscen.errors import DataError
-from oodscen.metrics._rarity.anchors import PublishedRate
 from oodscen.metrics._rarity.estimates import UNTOLD, Rarity, TextRarity, estimated_km
+from oodscen.metrics._rarity.rates import PublishedRate
 from oodscen.testing._encoder import HashEncoder
 
 METRICS = Metrics(HashEncoder(64), ["A car waits at the light.", "A van drives ahead."])

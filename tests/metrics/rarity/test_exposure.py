@@ -11,6 +11,7 @@ from oodscen import Metrics
 from oodscen.errors import UsageError
 from oodscen.metrics._rarity.estimates import Rarity, TextRarity
 from oodscen.metrics._rarity.exposure import TreeRarity, exposure
+from oodscen.testing import ScriptedLLM
 from oodscen.testing._encoder import HashEncoder
 
 TEXTS = ["The bridge ahead has collapsed.", "12345", "The car ahead waits at the red light."]
@@ -55,6 +56,19 @@ def test_a_choice_is_true_or_false(chosen):
     with pytest.raises(UsageError):
         metrics.exposure(TEXTS[:2], chosen)
     assert metrics.exposure(TEXTS[:2], np.array([True, False])) is not None
+
+
+def test_choices_that_do_not_fit_cost_no_question():
+    metrics = Metrics(HashEncoder(64), ["A car waits at the light."])
+    llm = ScriptedLLM(lambda request: pytest.fail("is asked"))
+    with pytest.raises(UsageError, match="1 choices do not fit 3 texts"):
+        metrics.exposure(TEXTS, [True], llm)
+
+
+@pytest.mark.parametrize("draws", [0, 101, 1.5])
+def test_a_wrong_number_of_draws_is_refused_offline_too(draws):
+    with pytest.raises(UsageError, match="draws"):
+        Metrics(HashEncoder(64), ["A car waits."]).rarity(TEXTS, draws=draws)
 
 
 def test_a_tree_weights_its_leaves():
