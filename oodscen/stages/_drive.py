@@ -3,6 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -36,6 +37,9 @@ from oodscen.stages._safe_actions import peak_deceleration, peak_jerk
 from oodscen.stages._steering import Steering, own_camera
 
 MakeDriver = Callable[[], Driver]
+
+_OWN_ERRORS = (OodscenError, BrokenProcessPool)
+"""Errors whose message says enough; of others the type is told as well."""
 
 NEEDLESS_BRAKING = 4.0
 """Deceleration beyond which braking is needless where keeping the speed is safe, m/s^2."""
@@ -323,7 +327,7 @@ def _pair(one: DriveResult, other: DriveResult, needless: bool | None) -> list[D
 
 def failed_drive(scene_id: str, name: str, error: BaseException) -> DriveResult:
     """Return the result of a drive that did not come to its end because of an error."""
-    words = one_line(printable(message(error))) if isinstance(error, OodscenError) else ""
+    words = one_line(printable(message(error))) if isinstance(error, _OWN_ERRORS) else ""
     return DriveResult(
         id=f"{scene_id}@{name}",
         scene_id=scene_id,

@@ -53,7 +53,7 @@ def test_a_stack_in_the_current_folder_drives(with_stack, tmp_path, capfd) -> No
     assert broken.exit_code == 1
     assert "stack_beside:Broken, twins: 0 of 1 passed" in broken.output
     assert "1 failed" in broken.output
-    assert "@stack_beside:Broken: no\n" in broken.stderr
+    assert "@stack_beside:Broken: RuntimeError: no\n" in broken.stderr
     for unknown in ("stack", "stack_beside:Nobody", "no_such_stack:Driver"):
         refused = run(main, ["drive", "out", "--driver", unknown])
         assert refused.exit_code == 2
