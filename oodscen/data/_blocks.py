@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from oodscen.data import _shapes as shapes
-from oodscen.data._extents import Extent, Place, around, corners_of, is_slanted, length_of
+from oodscen.data._extents import Extent, Transform, around, corners_of, is_slanted, length_of
 from oodscen.data._lettering import HEIGHT, width_of
 from oodscen.data._shapes import Part, Point
 
@@ -30,12 +30,12 @@ class Solid:
     box: Extent
     """The box around it."""
     part: Part
-    place: Place
+    transform: Transform
 
     @cached_property
     def blocks(self) -> list[Extent]:
         """Small boxes that fill it more closely than the box around it, if they can."""
-        return _blocks(self.box, self.part, self.place)
+        return _blocks(self.box, self.part, self.transform)
 
     @property
     def reaches_road(self) -> bool:
@@ -75,50 +75,52 @@ def held(solids: Sequence[Solid], *, is_standing: bool) -> list[bool]:
     return found
 
 
-def _blocks(box: Extent, part: Part, place: Place) -> list[Extent]:
+def _blocks(box: Extent, part: Part, transform: Transform) -> list[Extent]:
     """Return small boxes that fill a solid more closely than the box around it, if they can."""
     match part:
         case shapes.Box():
-            return _cut(box, [place.point(corner) for corner in corners_of(part.box, part.size)])
+            return _cut(
+                box, [transform.point(corner) for corner in corners_of(part.box, part.size)]
+            )
         case shapes.Hull():
             corners = [
-                place.point((x, y, flat[4]))
+                transform.point((x, y, flat[4]))
                 for flat in (part.hull, part.top)
                 for x in flat[:2]
                 for y in flat[2:4]
             ]
             return _cut(box, corners)
         case shapes.Panel(panel=quad):
-            return _cut(box, _flat([place.point(corner) for corner in quad]))
+            return _cut(box, _flat([transform.point(corner) for corner in quad]))
         case shapes.Text():
-            corners = [place.point(corner) for corner in _written(part)]
+            corners = [transform.point(corner) for corner in _written(part)]
             return _cut(around(corners), _flat(corners))
         case shapes.Sheet():
-            first, *others = (place.point(corner) for corner in part.sheet)
+            first, *others = (transform.point(corner) for corner in part.sheet)
             return [
                 block
                 for a, b in itertools.pairwise(others)
                 for block in _cut(around([first, a, b]), _flat([first, a, b, b]))
             ]
         case shapes.Ball() if max(part.radii) > _SMALL_M:
-            return list(_round(part.ball, part.radii, place, lowest=-1.0))
+            return list(_round(part.ball, part.radii, transform, lowest=-1.0))
         case shapes.Heap() if max(part.size) > 2 * _SMALL_M:
             x, y = part.heap
             radii = (part.size[0] / 2, part.size[1] / 2, part.size[2])
-            return list(_round((x, y, 0.0), radii, place, lowest=0.0))
+            return list(_round((x, y, 0.0), radii, transform, lowest=0.0))
         case shapes.Cylinder() if max(part.radius, part.end_radius or 0.0) > _SMALL_M:
             last = part.radius if part.end_radius is None else part.end_radius
-            return list(_turned([(*part.cylinder, part.radius), (*part.to, last)], place))
+            return list(_turned([(*part.cylinder, part.radius), (*part.to, last)], transform))
         case shapes.Lathe() if max(ring[3] for ring in part.lathe) > _SMALL_M:
-            return list(_turned(part.lathe, place))
+            return list(_turned(part.lathe, transform))
         case shapes.Column() if max(max(ring[3:]) for ring in part.column) > _SMALL_M:
-            return list(_column(part, place))
+            return list(_column(part, transform))
         case shapes.Blot():
             (x, y), (length, width) = part.blot, part.size
             rim = [
                 (x + length / 2 * c, y + width / 2 * s, part.height) for c, s in _circle(_SECTORS)
             ]
-            return [place.box(((x, y, part.height), *two)) for two in _pairs(rim)]
+            return [transform.box(((x, y, part.height), *two)) for two in _pairs(rim)]
         case _:
             return [box]
 
@@ -172,7 +174,9 @@ def _way(start: Sequence[float], end: Sequence[float]) -> list[float]:
     return [b - a for a, b in zip(start, end, strict=True)]
 
 
-def _turned(rings: Sequence[tuple[float, float, float, float]], place: Place) -> Iterator[Extent]:
+def _turned(
+    rings: Sequence[tuple[float, float, float, float]], transform: Transform
+) -> Iterator[Extent]:
     """Yield the boxes around the wedges of a body of revolution."""
     for start, end in itertools.pairwise(rings):
         way = _way(start[:3], end[:3])
@@ -194,10 +198,10 @@ def _turned(rings: Sequence[tuple[float, float, float, float]], place: Place) ->
             ]
             for x, y, z, r in (start, end)
         ]
-        yield from _wedges(start[:3], end[:3], rims[0], rims[1], place)
+        yield from _wedges(start[:3], end[:3], rims[0], rims[1], transform)
 
 
-def _column(part: shapes.Column, place: Place) -> Iterator[Extent]:
+def _column(part: shapes.Column, transform: Transform) -> Iterator[Extent]:
     """Yield the boxes around the wedges of a column."""
     rims = [
         [
@@ -210,16 +214,20 @@ def _column(part: shapes.Column, place: Place) -> Iterator[Extent]:
     for (low, high), (below, above) in zip(
         itertools.pairwise(middles), itertools.pairwise(rims), strict=True
     ):
-        yield from _wedges(low, high, below, above, place)
+        yield from _wedges(low, high, below, above, transform)
 
 
 def _wedges(
-    low: Point, high: Point, low_rim: Sequence[Point], high_rim: Sequence[Point], place: Place
+    low: Point,
+    high: Point,
+    low_rim: Sequence[Point],
+    high_rim: Sequence[Point],
+    transform: Transform,
 ) -> Iterator[Extent]:
     """Yield the boxes around the wedges of a round body between two rims."""
     count = min(4, max(1, math.ceil(math.dist(low, high) / _STEP)))
-    below, above = ([place.point(point) for point in rim] for rim in (low_rim, high_rim))
-    ends = place.point(low), place.point(high)
+    below, above = ([transform.point(point) for point in rim] for rim in (low_rim, high_rim))
+    ends = transform.point(low), transform.point(high)
     for (a, b), (c, d) in zip(_pairs(below), _pairs(above), strict=True):
         wedge = ((ends[0], ends[1]), (a, c), (b, d))
         for k in range(count):
@@ -272,7 +280,7 @@ def _between(corners: Sequence[Point], shares: Sequence[float]) -> Point:
 
 
 def _round(
-    centre: Point, radii: Sequence[float], place: Place, *, lowest: float
+    centre: Point, radii: Sequence[float], transform: Transform, *, lowest: float
 ) -> Iterator[Extent]:
     """Yield the small boxes that an ellipsoid fills; `lowest` is -1, or 0 for its upper half."""
     lows = (-1.0, -1.0, lowest)
@@ -289,4 +297,4 @@ def _round(
                 [middle + share * radius for share in end]
                 for middle, radius, end in zip(centre, radii, ends, strict=True)
             ]
-            yield place.box(itertools.product(*scaled))
+            yield transform.box(itertools.product(*scaled))
