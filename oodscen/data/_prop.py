@@ -8,10 +8,10 @@ from pydantic import Field, model_validator
 
 from oodscen.data import _shapes as shapes
 from oodscen.data._base import ROUNDING, Data
-from oodscen.data._blocks import REACH_M, Solid, held
 from oodscen.data._category import Category
 from oodscen.data._description import Description
 from oodscen.data._extents import Extent
+from oodscen.data._holding import REACH_M, Solid, held
 from oodscen.data._issues import MOST_PARTS, IssuesError
 from oodscen.data._lettering import strokes
 from oodscen.data._shapes import A_NUMBER, Parts
