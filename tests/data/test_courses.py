@@ -22,7 +22,7 @@ def test_a_walk_takes_the_time_of_its_way_and_its_pauses(distance, speed, pauses
     assert poses[-1].at == pytest.approx(duration)
 
 
-@given(METRES, SPEEDS, st.floats(0.5, 5), st.floats(0.1, 2), st.booleans())
+@given(METRES, SPEEDS, st.floats(0.5, 5), st.floats(0.3, 2), st.booleans())
 def test_a_roll_covers_its_distance_and_turns_over_without_slip(
     distance, speed, acceleration, radius, stops
 ):
