@@ -66,11 +66,17 @@ def _resting(draw: st.DrawFn) -> dict[str, Any]:
     return {**kinds[name], **coloured}
 
 
+def _has_few_assets(parts: list[dict[str, Any]]) -> bool:
+    """Return whether parts, each drawn twice, keep within the limit of triangles."""
+    return sum("asset" in part for part in parts) <= 1
+
+
 @st.composite
 def designs(draw: st.DrawFn) -> dict[str, Any]:
     """Draw a valid design: things that stand on the road, some of them in groups."""
     parts: list[dict[str, Any]] = [{"box": [0, 0, 0.3], "size": [1, 1, 0.6], "colour": "grey"}]
-    for part in draw(st.lists(_resting(), max_size=4)):
+    resting = st.lists(_resting(), max_size=4).filter(_has_few_assets)
+    for part in draw(resting):
         group = draw(st.sampled_from(["", "both_sides", "repeat", "at", "turned", "when"]))
         parts.append(
             {

@@ -1,7 +1,8 @@
 """Possible additions to a catalogue, and the catalogue extended by them."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence, Set
+from itertools import chain, count
 from typing import Any, Literal, assert_never, get_args
 
 from pydantic import Field, model_validator
@@ -21,6 +22,8 @@ from oodscen.data._scene import WeatherKind, is_weather_kind
 AdditionKind = Literal["asset", "state", "behaviour", "weather", "map", "other"]
 """`other` is something no catalogue can provide, e.g. an author that knows how to stage a hazard."""
 
+_KINDS = {"behavior": "behaviour", "trait": "map"} | {kind: kind for kind in get_args(AdditionKind)}
+"""Kinds of additions by the words that models write for them."""
 _WEATHER_WORDS = {
     "ice": "a road as slippery as ice",
     "low_sun": "a low sun that dazzles",
@@ -73,15 +76,12 @@ class Addition(Data):
         return (self.kind, self.name.casefold()) == (other.kind, other.name.casefold())
 
 
-_KINDS = {"behavior": "behaviour", "trait": "map"} | {kind: kind for kind in get_args(AdditionKind)}
-
-
 def _split(text: str) -> dict[str, str]:
     """Parse `weather: snow`; a bare name is an asset."""
-    head, colon, tail = text.partition(":")
+    head, colon, name = text.partition(":")
     words = head.casefold().split()
     if colon and words and words[-1] in _KINDS:
-        return {"kind": _KINDS[words[-1]], "name": tail.strip()[:160]}
+        return {"kind": _KINDS[words[-1]], "name": name.strip()[:160]}
     return {"kind": "asset", "name": text.strip()[:160]}
 
 
@@ -104,42 +104,38 @@ def extend(catalogue: Catalogue, additions: Iterable[Addition]) -> Catalogue:
     """Return the catalogue extended by placeholders for some additions.
 
     A placeholder has a name and a plausible size but cannot be drawn: it shows what could be staged, not
-    how it would look. An addition of kind `other` changes nothing.
+    how it would look. An addition of kind `other`, or that the catalogue has already, changes nothing.
     """
-    assets = list(catalogue.assets)
-    behaviours = list(catalogue.behaviours)
-    maps = list(catalogue.maps)
-    weather = catalogue.weather
     for addition in additions:
-        if addition.kind == "asset":
-            if addition.name not in {asset.id for asset in assets}:
-                assets.append(_asset(addition))
-        elif addition.kind == "state":
-            name, _, state = (part.strip() for part in addition.name.partition(":"))
-            assets = [
-                a.model_copy(update={"states": (*a.states, state)})
-                if name in (a.id, *a.names)
-                else a
-                for a in assets
-            ]
-        elif addition.kind == "behaviour":
-            every = sorted({category for kind in behaviours for category in kind.categories})
-            added = BehaviourKind(
-                id=addition.name, description=addition.words, categories=tuple(every)
-            )
-            behaviours.append(added)
-        elif addition.kind == "weather":
-            weather = _with_weather(weather, addition.name)
-        elif addition.kind == "map" and maps:
-            maps.append(_map(maps[0], addition))
-    return catalogue.model_copy(
-        update={
-            "assets": tuple(assets),
-            "behaviours": tuple(behaviours),
-            "maps": tuple(maps),
-            "weather": weather,
-        }
-    )
+        catalogue = catalogue.model_copy(update=_changes(catalogue, addition))
+    return catalogue
+
+
+def _changes(catalogue: Catalogue, addition: Addition) -> dict[str, Any]:
+    """Return the fields of a catalogue that an addition changes."""
+    match addition.kind:
+        case "asset":
+            if addition.name in {asset.id for asset in catalogue.assets}:
+                return {}
+            return {"assets": (*catalogue.assets, _asset(addition))}
+        case "state":
+            name, _, state = (word.strip() for word in addition.name.partition(":"))
+            return {"assets": tuple(_with_state(asset, name, state) for asset in catalogue.assets)}
+        case "behaviour":
+            if addition.name in {kind.id for kind in catalogue.behaviours}:
+                return {}
+            return {"behaviours": (*catalogue.behaviours, _behaviour(catalogue, addition))}
+        case "weather":
+            return {"weather": _with_weather(catalogue.weather, addition.name)}
+        case "map":
+            has_it = any(road.description == addition.words for road in catalogue.maps)
+            if has_it or not catalogue.maps:
+                return {}
+            return {"maps": (*catalogue.maps, _map(catalogue.maps, addition))}
+        case "other":
+            return {}
+        case _:
+            assert_never(addition.kind)
 
 
 _SIZES: dict[str, tuple[float, float, float]] = {
@@ -164,9 +160,25 @@ def _asset(addition: Addition) -> Asset:
     )
 
 
+def _with_state(asset: Asset, name: str, state: str) -> Asset:
+    """Return an asset with a further state, if it has that name."""
+    if name not in (asset.id, *asset.names) or not state or state in asset.states:
+        return asset
+    return asset.model_copy(update={"states": (*asset.states, state)})
+
+
+def _behaviour(catalogue: Catalogue, addition: Addition) -> BehaviourKind:
+    categories = {category for kind in catalogue.behaviours for category in kind.categories}
+    return BehaviourKind(
+        id=addition.name, description=addition.words, categories=tuple(sorted(categories))
+    )
+
+
 def _with_weather(weather: WeatherRange, name: str) -> WeatherRange:
     if is_weather_kind(name):
         return weather.model_copy(update=_widened(weather, name))
+    if name in weather.others:
+        return weather
     return weather.model_copy(update={"others": (*weather.others, name)})
 
 
@@ -188,17 +200,24 @@ def _widened(weather: WeatherRange, kind: WeatherKind) -> dict[str, Any]:
             assert_never(kind)
 
 
-def _map(model: RoadMap, addition: Addition) -> RoadMap:
-    traits = addition.traits
+def _map(maps: Sequence[RoadMap], addition: Addition) -> RoadMap:
+    """Return a map like the first one, with the traits of an addition."""
+    model, traits = maps[0], addition.traits
     slug = re.sub(r"[^a-z0-9]+", "_", addition.name.casefold()).strip("_")
     return model.model_copy(
         update={
-            "id": f"added_{slug}",
+            "id": _unused_id(f"added_{slug}".rstrip("_"), {road.id for road in maps}),
             "description": addition.words,
             "file": "",
             "traits": traits,
-            "landmarks": tuple(mark for mark in LANDMARKS if mark in traits),
+            "landmarks": tuple(kind for kind in LANDMARKS if kind in traits),
             "oncoming_lanes": max(model.oncoming_lanes, int("oncoming" in traits)),
             "has_shoulder": model.has_shoulder or "shoulder" in traits,
         }
     )
+
+
+def _unused_id(name: str, used: Set[str]) -> str:
+    """Return a name, numbered if it is in use: names in other scripts have the same slug."""
+    numbered = (f"{name}_{number}" for number in count(2))
+    return next(candidate for candidate in chain([name], numbered) if candidate not in used)

@@ -4,7 +4,7 @@ The road is straightened: the origin is the ego's centre at the decision point, 
 the ego's road and y to its left, both in metres.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,9 +14,12 @@ from oodscen.data._base import Data
 if TYPE_CHECKING:
     from oodscen.driving._trace import Course, Trace
 
-AHEAD_M, BEHIND_M, ASIDE_M = 120.0, 40.0, 30.0
+_AHEAD_M, _BEHIND_M, _ASIDE_M = 120.0, 40.0, 30.0
 """Maximum distances of the bodies in the sketch from the ego at the decision point, m."""
 _MOVED_M = 0.5
+"""Distance along and across the road from which an actor has moved, m."""
+_LEAST_WIDTH_M = 0.1
+"""Width up to which a strip of the road is left out, m."""
 
 
 class SketchLane(Data):
@@ -65,64 +68,81 @@ def sketch(course: "Course", approach: "Trace", rollouts: Mapping[str, "Trace"])
         rollouts: Traces from the decision point on, by action id.
     """
     s, t = approach["s"][-1], approach["t"][-1]
-    angle = _headings(course, approach)
-    near = [
+    rows = [
         row
         for row in range(len(approach.ids))
-        if -BEHIND_M <= s[row] - s[0] <= AHEAD_M and abs(t[row] - t[0]) <= ASIDE_M
+        if -_BEHIND_M <= s[row] - s[0] <= _AHEAD_M and abs(t[row] - t[0]) <= _ASIDE_M
     ]
+    headings = _headings(course, approach)
     bodies = {
         approach.ids[row]: SketchBody(
             x=_tenth(s[row] - s[0]),
             y=_tenth(t[row] - t[0]),
-            heading_deg=float(angle[row]),
+            heading_deg=float(headings[row]),
             length=_tenth(course.sizes[row, 0]),
             width=_tenth(course.sizes[row, 1]),
         )
-        for row in near
+        for row in rows
     }
-    paths, ends = {}, {}
-    for action, trace in rollouts.items():
-        x, y = trace["s"] - s[0], trace["t"] - t[0]
-        time = trace["time"][:, 0]
-        every = max(1, round(1.0 / float(time[1] - time[0]))) if len(time) > 1 else 1
-        steps = sorted({*range(0, len(time), every), len(time) - 1})
-        places = dict.fromkeys((_tenth(x[i, 0]), _tenth(y[i, 0])) for i in steps)
-        paths[action] = tuple(value for place in places for value in place)
-        turned = _headings(course, trace)
-        ends[action] = {
-            trace.ids[row]: (_tenth(x[-1, row]), _tenth(y[-1, row]), float(turned[row]))
-            for row in near
-            if row and abs(x[-1, row] - x[0, row]) + abs(y[-1, row] - y[0, row]) > _MOVED_M
-        }
+    origin = float(s[0]), float(t[0])
     return Sketch(
-        lanes=_lanes(course, float(s[0]), float(t[0])), bodies=bodies, paths=paths, ends=ends
+        lanes=_lanes(course, *origin),
+        bodies=bodies,
+        paths={action: _path(trace, *origin) for action, trace in rollouts.items()},
+        ends={
+            action: _ends(course, trace, rows[1:], *origin) for action, trace in rollouts.items()
+        },
     )
+
+
+def _path(trace: "Trace", s: float, t: float) -> tuple[float, ...]:
+    """Return the ego's x, y, x, y ... once a second until it stops, and at the end."""
+    time = trace["time"][:, 0]
+    stride = max(1, round(1.0 / float(time[1] - time[0]))) if len(time) > 1 else 1
+    steps = sorted({*range(0, len(time), stride), len(time) - 1})
+    x, y = trace["s"][:, 0] - s, trace["t"][:, 0] - t
+    points = dict.fromkeys((_tenth(x[step]), _tenth(y[step])) for step in steps)
+    return tuple(value for point in points for value in point)
+
+
+def _ends(
+    course: "Course", trace: "Trace", rows: Sequence[int], s: float, t: float
+) -> dict[str, tuple[float, float, float]]:
+    """Return the final x, y and heading of the actors in some rows that moved."""
+    x, y = trace["s"] - s, trace["t"] - t
+    headings = _headings(course, trace)
+    return {
+        trace.ids[row]: (_tenth(x[-1, row]), _tenth(y[-1, row]), float(headings[row]))
+        for row in rows
+        if abs(x[-1, row] - x[0, row]) + abs(y[-1, row] - y[0, row]) > _MOVED_M
+    }
 
 
 def _lanes(course: "Course", s: float, t: float) -> tuple[SketchLane, ...]:
     corridor = course.corridor
-    at = min(max(round(s / corridor.step), 0), len(corridor.s) - 1)
+    index = min(max(round(s / corridor.step), 0), len(corridor.s) - 1)
     return tuple(
         SketchLane(
             kind=strip.kind,
             direction=strip.direction,
-            right=_tenth(strip.right[at] - t),
-            left=_tenth(strip.left[at] - t),
+            right=_tenth(strip.right[index] - t),
+            left=_tenth(strip.left[index] - t),
         )
         for strip in corridor.strips
-        if strip.left[at] - strip.right[at] > 0.1
+        if strip.left[index] - strip.right[index] > _LEAST_WIDTH_M
     )
 
 
 def _headings(course: "Course", trace: "Trace") -> list[int]:
     """Return every body's last heading relative to the road, in whole degrees."""
     corridor = course.corridor
-    at = np.clip(np.rint(trace["s"][-1] / corridor.step), 0, len(corridor.s) - 1).astype(np.intp)
-    turned = trace["yaw"][-1] - np.arctan2(corridor.sin[at], corridor.cos[at])
-    degrees = np.rint(np.degrees(turned)) % 360
+    steps = np.rint(trace["s"][-1] / corridor.step)
+    index = np.clip(steps, 0, len(corridor.s) - 1).astype(np.intp)
+    road_yaw = np.arctan2(corridor.sin[index], corridor.cos[index])
+    degrees = np.rint(np.degrees(trace["yaw"][-1] - road_yaw)) % 360
     return [int(value) - 360 if value > 180 else int(value) for value in degrees]
 
 
 def _tenth(value: float) -> float:
+    """Return a value rounded to a tenth, never -0.0."""
     return round(float(value), 1) + 0.0

@@ -9,13 +9,8 @@ from pydantic import Field, model_validator
 from oodscen._field_docs import with_fields
 from oodscen.data._base import Data, LeanData
 from oodscen.data._category import Category
-from oodscen.data._details import (
-    AssetDetails,
-    DetailKinds,
-    check_details,
-    shown_as,
-    unknown_words,
-)
+from oodscen.data._detail_checks import check_details, unknown_words
+from oodscen.data._details import AssetDetails, DetailKinds, shown_as
 from oodscen.data._issues import IssuesError, below
 from oodscen.data._map_state import MapPart
 from oodscen.data._motion import KEYED, Motion, motion_faults

@@ -163,24 +163,26 @@ class Claim(Data):
     """The words of the text that say so."""
 
     @model_validator(mode="after")
-    def _closed(self) -> "Claim":
+    def _is_in_vocabulary(self) -> "Claim":
         if self.kind in NUMBERS:
             is_whole = self.value.isascii() and self.value.isdecimal()
             if not is_whole or not 0 < int(self.value) <= 1000:
                 raise ValueError(f"{self.kind}: {self.value!r} is no whole number from 1 to 1000")
         elif self.value not in VALUES[self.kind]:
-            known = ", ".join(VALUES[self.kind])
-            raise ValueError(f"{self.kind}: {self.value!r} is not one of {known}")
+            allowed = ", ".join(VALUES[self.kind])
+            raise ValueError(f"{self.kind}: {self.value!r} is not one of {allowed}")
         if (self.kind in OF_THINGS) != bool(self.subject.strip()):
-            wanted = "needs a subject" if self.kind in OF_THINGS else "has no subject"
-            raise ValueError(f"a claim of kind {self.kind} {wanted}")
+            rule = "needs a subject" if self.kind in OF_THINGS else "has no subject"
+            raise ValueError(f"a claim of kind {self.kind} {rule}")
         return self
 
     def __str__(self) -> str:
-        meaning = VALUES.get(self.kind, {}).get(self.value)
-        what = f"{NUMBERS[self.kind]}: {self.value}" if meaning is None else meaning
-        about = f"{self.subject}: " if self.subject else f"{self.kind}: "
-        return f"{about}{what}" + (f" ({self.quote!r})" if self.quote else "")
+        if self.kind in NUMBERS:
+            meaning = f"{NUMBERS[self.kind]}: {self.value}"
+        else:
+            meaning = VALUES[self.kind][self.value]
+        quote = f" ({self.quote!r})" if self.quote else ""
+        return f"{self.subject.strip() or self.kind}: {meaning}{quote}"
 
 
 class Mismatch(Data):

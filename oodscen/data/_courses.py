@@ -8,8 +8,14 @@ from oodscen.data._base import Data
 
 _SINES = (0.0, 0.3826834323650898, 0.7071067811865476, 0.9238795325112867, 1.0)
 """Sines of the multiples of an eighth of pi, as literals: they are the same on every machine."""
-_STOPPING = 3.0
+_BRAKING = 3.0
 """Deceleration with which a rolling thing comes to rest, m/s^2."""
+_GATHERING, _STOPPING = 6, 4
+"""Stretches in which a rolling thing gathers speed and comes to rest."""
+_LEAST_EVEN_S = 0.3
+"""Time at even speed from which it is a stretch of its own, s."""
+_LAP = 16
+"""Stretches of one round on a circle."""
 
 
 class KeyPose(Data):
@@ -32,7 +38,7 @@ class KeyPose(Data):
 
     def values(self) -> tuple[float, ...]:
         """Return `at`, the three distances and the three angles, rad."""
-        angles = (one * math.pi / 180.0 for one in (self.yaw, self.pitch, self.roll))
+        angles = (degrees * math.pi / 180.0 for degrees in (self.yaw, self.pitch, self.roll))
         return (self.at, self.ahead, self.left, self.up, *angles)
 
 
@@ -54,13 +60,13 @@ class Walk(Data):
     def poses(self) -> Poses:
         """Return the key poses."""
         legs = self.pauses + 1
-        step, key_poses, time = self.distance / legs, [KeyPose()], 0.0
+        step_m, time, key_poses = self.distance / legs, 0.0, [KeyPose()]
         for leg in range(1, legs + 1):
-            time += step / self.speed
-            key_poses.append(KeyPose(at=time, ahead=step * leg))
+            time += step_m / self.speed
+            key_poses.append(KeyPose(at=time, ahead=step_m * leg))
             if leg < legs or self.back:
                 time += self.pause_s
-                key_poses.append(KeyPose(at=time, ahead=step * leg))
+                key_poses.append(KeyPose(at=time, ahead=step_m * leg))
         if self.back:
             key_poses.append(KeyPose(at=time + self.distance / self.speed))
         return tuple(key_poses)
@@ -82,26 +88,34 @@ class Roll(Data):
 
     def poses(self) -> Poses:
         """Return the key poses."""
-        a, b = self.acceleration, _STOPPING if self.stops else math.inf
+        gain, braking = self.acceleration, _BRAKING if self.stops else math.inf
         # The greatest speed that leaves room to gather it and to come to rest.
-        room = 0.5 / a + 0.5 / b
-        speed = min(self.speed, math.sqrt(self.distance / room))
-        gathered, braked = 0.5 * speed * speed / a, 0.5 * speed * speed / b
-        places = [(speed / a * k / 6, gathered * (k / 6) ** 2) for k in range(7)]
-        time, s = places[-1]
-        even = self.distance - gathered - braked
-        if even > 0.3 * speed:
-            time, s = time + even / speed, s + even
-            places.append((time, s))
+        speed = min(self.speed, math.sqrt(self.distance / (0.5 / gain + 0.5 / braking)))
+        gathering_m, braking_m = 0.5 * speed * speed / gain, 0.5 * speed * speed / braking
+        rows = [
+            (speed / gain * k / _GATHERING, gathering_m * (k / _GATHERING) ** 2)
+            for k in range(_GATHERING + 1)
+        ]
+        time, distance_m = rows[-1]
+        even_m = self.distance - gathering_m - braking_m
+        if even_m > _LEAST_EVEN_S * speed:
+            time, distance_m = time + even_m / speed, distance_m + even_m
+            rows.append((time, distance_m))
         if self.stops:
-            places += [
-                (time + speed / b * k / 4, s + braked * (1.0 - (1.0 - k / 4) ** 2))
-                for k in range(1, 5)
+            rows += [
+                (
+                    time + speed / braking * k / _STOPPING,
+                    distance_m + braking_m * (1.0 - (1.0 - k / _STOPPING) ** 2),
+                )
+                for k in range(1, _STOPPING + 1)
             ]
         return tuple(
-            KeyPose(at=time, ahead=s, pitch=math.degrees(s / self.radius) if self.radius else 0.0)
-            for time, s in places
+            KeyPose(at=time, ahead=ahead, pitch=self._pitch(ahead)) for time, ahead in rows
         )
+
+    def _pitch(self, distance_m: float) -> float:
+        """Return the angle by which it has turned over, degrees."""
+        return math.degrees(distance_m / self.radius) if self.radius else 0.0
 
 
 class Drift(Data):
@@ -128,8 +142,8 @@ class Drift(Data):
         ahead = 0.0
         for k in range(1, count + 1):
             side = 1.0 if k % 2 else -1.0
-            is_end = k in (1, count)
-            ahead += self.speed * self.seconds / count * (0.5 if is_end else 1.0 + 0.35 * side)
+            gust = 0.5 if k in (1, count) else 1.0 + 0.35 * side
+            ahead += self.speed * self.seconds / count * gust
             key_poses.append(
                 KeyPose(
                     at=self.seconds * k / count,
@@ -159,13 +173,16 @@ class Swing(Data):
 
     def poses(self) -> Poses:
         """Return the key poses."""
-        key_poses, quarter = [KeyPose(up=self.up)], 0.25 * self.period_s
-        for k in range(2 * self.swings):
-            share = 1.0 - k / (2.0 * self.swings) if self.fades else 1.0
-            angle = self.angle_deg * share * (1.0 if k % 2 == 0 else -1.0)
+        quarter_s = 0.25 * self.period_s
+        halves = 2 * self.swings
+        key_poses = [KeyPose(up=self.up)]
+        for k in range(halves):
+            angle = self.angle_deg if k % 2 == 0 else -self.angle_deg
+            if self.fades:
+                angle *= 1.0 - k / halves
             tilt = {"roll": angle} if self.sideways else {"pitch": angle}
-            key_poses.append(KeyPose(at=quarter * (2 * k + 1), up=self.up, **tilt))
-        key_poses.append(KeyPose(at=quarter * 4 * self.swings, up=self.up))
+            key_poses.append(KeyPose(at=quarter_s * (2 * k + 1), up=self.up, **tilt))
+        key_poses.append(KeyPose(at=quarter_s * 2 * halves, up=self.up))
         return tuple(key_poses)
 
 
@@ -183,20 +200,20 @@ class Circle(Data):
     def poses(self) -> Poses:
         """Return the key poses of one round."""
         side = -1.0 if self.clockwise else 1.0
-        lap = 2.0 * math.pi * self.radius / self.speed
+        lap_s = 2.0 * math.pi * self.radius / self.speed
         return tuple(
             KeyPose(
-                at=lap * k / 16,
+                at=lap_s * k / _LAP,
                 ahead=self.radius * _sine(k),
                 left=side * self.radius * (1.0 - _sine(k + 4)),
                 up=self.up,
             )
-            for k in range(17)
+            for k in range(_LAP + 1)
         )
 
 
 def _sine(eighths: int) -> float:
     """Return the sine of a multiple of an eighth of pi."""
-    place = eighths % 16
-    size = _SINES[4 - abs(place % 8 - 4)]
-    return -size if place > 8 else size
+    in_turn = eighths % 16
+    size = _SINES[4 - abs(in_turn % 8 - 4)]
+    return -size if in_turn > 8 else size

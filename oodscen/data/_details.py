@@ -1,6 +1,6 @@
 """Details of an actor: the pose of a person and what it holds; the parts, colour and load of a vehicle."""
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import (
@@ -11,34 +11,24 @@ from pydantic import (
     model_serializer,
 )
 
-from oodscen.data._base import ROUNDING, Data, LeanData
-from oodscen.data._category import Category
+from oodscen.data._base import Data, LeanData
 from oodscen.data._colours import LIT, rgb_of, unknown_colour
-from oodscen.errors import Issue, close_matches
 
 if TYPE_CHECKING:
     from oodscen.data._catalogue import Asset
-    from oodscen.data._prop import Prop
 
 Size = tuple[float, float, float]
 """Length, width and height, m."""
-Extent = Annotated[float, Field(gt=0, le=30)]
+Length = Annotated[float, Field(gt=0, le=30)]
 Word = Annotated[str, Field(pattern=r"^([a-z][a-z0-9_]{0,39})?$")]
 
-HELD_M: Size = (2.2, 3.3, 2.2)
-"""Greatest lesser and greater extent along the ground, and height, of what a person can hold, m."""
-HELD_KG = 60.0
-"""Greatest mass of a thing made to order that a person can hold, kg."""
-LOADABLE: frozenset[Category] = frozenset({"object", "work_zone", "vegetation"})
-"""Categories of what can be held or loaded; what moves by itself is an actor of its own."""
-_LOADABLE_WORDS = "things that do not move by themselves"
 _LOW_M = 0.12
 """Least height of a held thing above the ground, m."""
 _TALL_M = 1.0
 """Height from which a thing is held at its middle, m."""
 
 
-def _known_colour(name: str) -> str:
+def _paint(name: str) -> str:
     if name and (rgb_of(name) is None or name.startswith(LIT)):
         raise unknown_colour(name)
     return name
@@ -55,7 +45,7 @@ class Details(LeanData):
     """Id of the asset, or of the thing made to order, in a person's hands."""
     parts: tuple[Word, ...] = Field(default=(), max_length=6)
     """States of parts of a vehicle, such as `bonnet_open`."""
-    colour: Annotated[str, Field(max_length=20), AfterValidator(_known_colour)] = ""
+    colour: Annotated[str, Field(max_length=20), AfterValidator(_paint)] = ""
     """Paint of a vehicle: a name or `#rrggbb`."""
     cargo: Word = ""
     """Id of the asset, or of the thing made to order, on a vehicle's roof or bed."""
@@ -75,9 +65,9 @@ class Details(LeanData):
         return (name for name in self._left_out if getattr(self, name))
 
     def words(self) -> tuple[str, ...]:
-        """Return the details in the order of the fields, each as it is given."""
-        one = (self.pose, self.holds, *self.parts, self.colour, self.cargo, self.text)
-        return tuple(word for word in one if word)
+        """Return the values of the details in the order of the fields."""
+        words = (self.pose, self.holds, *self.parts, self.colour, self.cargo, self.text)
+        return tuple(word for word in words if word)
 
 
 class Grip(Data):
@@ -134,19 +124,19 @@ class Bed(Data):
 
     at: tuple[float, float]
     """x and z of the middle of the load's underside, m."""
-    length: Extent
+    length: Length
     """Greatest length of a load, m."""
-    width: Extent
+    width: Length
 
 
 class AssetDetails(Data):
     """The details that one asset can show."""
 
-    poses: dict[Word, tuple[Extent, Extent, Extent]] = {}
+    poses: dict[Word, tuple[Length, Length, Length]] = {}
     """Length, width and height of the body in each pose, m."""
     scale: float = Field(default=1.0, gt=0.2, le=2)
     """Size against an adult, for the place of the hands."""
-    parts: dict[Word, tuple[Extent, Extent, Extent]] = {}
+    parts: dict[Word, tuple[Length, Length, Length]] = {}
     """Length, width and height with the part in each state, m."""
     is_painted: bool = False
     """True if its colour can be chosen."""
@@ -157,9 +147,9 @@ class AssetDetails(Data):
 
     @model_serializer(mode="wrap")
     def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        value: dict[str, Any] = serialise(self)
-        usual = {name: field.default for name, field in type(self).model_fields.items()}
-        return {name: one for name, one in value.items() if one != usual[name]}
+        values: dict[str, Any] = serialise(self)
+        defaults = {name: field.default for name, field in type(self).model_fields.items()}
+        return {name: value for name, value in values.items() if value != defaults[name]}
 
 
 class Held(Data):
@@ -186,11 +176,10 @@ def held_place(grip: Grip, scale: float, size: Size) -> Held:
     if grip.how == "beside":
         low = max(_LOW_M, z - height) if height <= _TALL_M else _LOW_M
         return Held(at=(x, y - 0.3 * min(length, width), low), is_turned=width > length)
-    thin = min(length, width)
     if grip.how == "above":
         return Held(at=(x, y, z), is_turned=length > width)
     low = max(_LOW_M, z - height / 2) if height > _TALL_M else z - 0.04
-    return Held(at=(x + thin / 2 - 0.02, y, low), is_turned=length > width)
+    return Held(at=(x + min(length, width) / 2 - 0.02, y, low), is_turned=length > width)
 
 
 def shown_as(
@@ -206,32 +195,34 @@ def shown_as(
     """
     offers = asset.offers or AssetDetails()
     pose = kinds.pose(posed(details))
-    size = _own_size(asset, offers, details, pose)
+    size = _bare_size(asset, offers, details, pose)
     held, load = things.get(details.holds), things.get(details.cargo)
     if held is not None and pose is not None and pose.grip is not None:
         size = _with_held(size, held, pose.grip, offers.scale)
     if load is not None and offers.bed is not None:
         size = _with_load(size, load, offers.bed)
     length, width, height = size
-    told = [] if pose is None else [pose.id, *pose.tags]
+    tags = [*asset.tags]
+    if pose is not None:
+        tags += [pose.id, *pose.tags]
     for part in kinds.parts:
         if part.id in details.parts:
-            told += [part.id, *part.tags]
+            tags += [part.id, *part.tags]
     return asset.model_copy(
         update={
             "length": round(length, 2),
             "width": round(width, 2),
             "height": round(height, 2),
-            "tags": tuple(dict.fromkeys((*asset.tags, *told))),
+            "tags": tuple(dict.fromkeys(tags)),
             "description": described(asset.description, details, things, kinds),
         }
     )
 
 
-def _own_size(
+def _bare_size(
     asset: "Asset", offers: AssetDetails, details: Details, pose: PoseKind | None
 ) -> Size:
-    """Return the size of an actor in its pose, with its parts in their states."""
+    """Return the size of an actor in its pose, with its parts in their states, and nothing carried."""
     sizes = [(asset.length, asset.width, asset.height)]
     if pose is not None and pose.id in offers.poses:
         sizes = [offers.poses[pose.id]]
@@ -245,15 +236,18 @@ def _with_held(size: Size, held: "Asset", grip: Grip, scale: float) -> Size:
     length, width, height = size
     place = held_place(grip, scale, (held.length, held.width, held.height))
     x, y, z = place.at
-    deep, wide = (held.width, held.length) if place.is_turned else (held.length, held.width)
+    depth, breadth = held.length, held.width
+    if place.is_turned:
+        depth, breadth = breadth, depth
     return (
-        max(length / 2, x + deep / 2) + max(length / 2, deep / 2 - x),
-        2 * max(width / 2, abs(y) + wide / 2),
+        max(length / 2, x + depth / 2) + max(length / 2, depth / 2 - x),
+        2 * max(width / 2, abs(y) + breadth / 2),
         max(height, z + held.height),
     )
 
 
 def _with_load(size: Size, load: "Asset", bed: Bed) -> Size:
+    """Return the size of a vehicle's box, grown around a load that lies lengthwise."""
     length, width, height = size
     return (
         length,
@@ -263,7 +257,7 @@ def _with_load(size: Size, load: "Asset", bed: Bed) -> Size:
 
 
 def posed(details: Details) -> str:
-    """Return the pose of a person: who holds something and has none carries it before the body."""
+    """Return the pose of a person; one that holds something and has no pose carries it."""
     return details.pose or ("carry" if details.holds else "")
 
 
@@ -271,121 +265,17 @@ def described(
     description: str, details: Details, things: "Mapping[str, Asset]", kinds: DetailKinds
 ) -> str:
     """Return a description of an asset together with its details."""
-    told = [description]
+    phrases = [description]
     pose = kinds.pose(details.pose)
     if pose is not None:
-        told.append(pose.doing)
+        phrases.append(pose.doing)
     if details.holds in things:
-        told.append(f"holding {things[details.holds].description}")
+        phrases.append(f"holding {things[details.holds].description}")
     if details.colour:
-        told.append(f"painted {details.colour.replace('_', ' ')}")
-    told += [part.seen for part in kinds.parts if part.id in details.parts]
+        phrases.append(f"painted {details.colour.replace('_', ' ')}")
+    phrases += [part.seen for part in kinds.parts if part.id in details.parts]
     if details.cargo in things:
-        told.append(f"carrying {things[details.cargo].description}")
+        phrases.append(f"carrying {things[details.cargo].description}")
     if details.text:
-        told.append(f"with {details.text} written on its sides")
-    return ", ".join(told)
-
-
-# ---------------------------------------------------------------------- checks
-
-
-def check_details(
-    details: Details,
-    asset: "Asset",
-    behaviour: str,
-    things: "Mapping[str, Asset]",
-    kinds: DetailKinds,
-    made: "Mapping[str, Prop]",
-) -> list[Issue]:
-    """Return an issue for every detail that an asset cannot show.
-
-    Args:
-        details: The details of an actor.
-        asset: Its asset.
-        behaviour: The built-in behaviour that it has, or that stands in for its own.
-        things: All assets by id, with those made to order.
-        kinds: The poses and parts of the simulator.
-        made: The things made to order, by id.
-    """
-    offers = asset.offers or AssetDetails()
-    able = {
-        "pose": bool(offers.poses),
-        "holds": bool(offers.poses),
-        "parts": bool(offers.parts),
-        "colour": offers.is_painted,
-        "cargo": offers.bed is not None,
-        "text": offers.has_text,
-    }
-    issues = [
-        Issue(name, f"{asset.id!r} cannot show it; {_able(able)}")
-        for name in details.given()
-        if not able[name]
-    ]
-    if able["pose"]:
-        issues += _pose_issues(details, offers, behaviour, kinds)
-    if able["parts"]:
-        issues += [
-            Issue(f"parts[{index}]", unknown_words("part", name, offers.parts))
-            for index, name in enumerate(details.parts)
-            if name not in offers.parts
-        ]
-    if details.holds and able["holds"]:
-        issues += _thing_issues("holds", details.holds, things, HELD_M, made)
-    if details.cargo and offers.bed is not None:
-        room = (offers.bed.width, offers.bed.length, 3.0)
-        issues += _thing_issues("cargo", details.cargo, things, room, {})
-    return issues
-
-
-def _pose_issues(
-    details: Details, offers: AssetDetails, behaviour: str, kinds: DetailKinds
-) -> Iterator[Issue]:
-    name = posed(details)
-    if name and name not in offers.poses:
-        yield Issue("pose", unknown_words("pose", name, offers.poses))
-        return
-    pose = kinds.pose(name)
-    if pose is None:
-        return
-    if pose.is_still and behaviour not in ("stand", "fall"):
-        yield Issue("pose", f"who is in the pose {name!r} stays in place: the behaviour is 'stand'")
-    if details.holds and pose.grip is None:
-        able = ", ".join(kind.id for kind in kinds.poses if kind.grip and kind.id in offers.poses)
-        yield Issue("holds", f"the hands are not free in the pose {name!r}, but in: {able}")
-
-
-def _thing_issues(
-    path: str, name: str, things: "Mapping[str, Asset]", room: Size, made: "Mapping[str, Prop]"
-) -> Iterator[Issue]:
-    thing = things.get(name)
-    if thing is None:
-        yield Issue(path, unknown_words("asset", name, things))
-        return
-    if thing.category not in LOADABLE:
-        message = (
-            f"{name!r} is a {thing.category} and an actor of its own; this is for {_LOADABLE_WORDS}"
-        )
-        yield Issue(path, message)
-    ends = sorted((thing.length, thing.width))
-    if any(size > most + ROUNDING for size, most in zip((*ends, thing.height), room, strict=True)):
-        size = f"{ends[1]:g} x {ends[0]:g} x {thing.height:g} m"
-        most = f"{room[1]:g} x {room[0]:g} x {room[2]:g} m"
-        yield Issue(path, f"{name!r} is {size}, at most {most} fit")
-    prop = made.get(name)
-    if prop is not None and prop.mass_kg > HELD_KG:
-        yield Issue(path, f"{name!r} has {prop.mass_kg:g} kg, and a person holds {HELD_KG:g} kg")
-
-
-def _able(able: Mapping[str, bool]) -> str:
-    offered = [name for name, is_able in able.items() if is_able]
-    return f"it can show: {', '.join(offered)}" if offered else "it has one look"
-
-
-def unknown_words(noun: str, name: str, known: Collection[str]) -> str:
-    """Return the message about an unknown name, with close matches or all known names."""
-    matches = close_matches(name, known)
-    hint = f"known: {', '.join(known)}" if known else "there are none"
-    if matches:
-        hint = f"did you mean {' or '.join(matches)}?"
-    return f"unknown {noun} {name!r}; {hint}"
+        phrases.append(f"with {details.text} written on its sides")
+    return ", ".join(phrases)

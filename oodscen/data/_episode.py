@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import ClassVar, Literal
 
 from oodscen._display import escaped, html_table
@@ -43,18 +43,18 @@ def share_of(moment: str) -> float:
     Raises:
         UnknownComponent: If there is no such moment.
     """
-    named = {"first": 0.0, "middle": 0.5, "last": 1.0}
-    if moment in named:
-        return named[moment]
+    shares = {"first": 0.0, "middle": 0.5, "last": 1.0}
+    if moment in shares:
+        return shares[moment]
     percent = re.fullmatch(r"at-([1-9][0-9]?)", moment) if isinstance(moment, str) else None
     if percent is None:
         raise UnknownComponent("moment", f"{moment}"[:80], [*MOMENTS, "at-1 ... at-99"])
     return int(percent[1]) / 100
 
 
-def in_order(found: Iterable[str]) -> tuple[str, ...]:
+def in_order(names: Iterable[str]) -> tuple[str, ...]:
     """Return moments in order of time."""
-    return tuple(sorted(found, key=share_of))
+    return tuple(sorted(names, key=share_of))
 
 
 ENOUGH_M = 0.5
@@ -129,13 +129,15 @@ class ActionOutcome(LeanData):
         """The outcome in a word."""
         if self.unavailable:
             return "unavailable"
-        return "safe" if self.safe else "marginal" if self.marginal else "unsafe"
+        if self.safe:
+            return "safe"
+        return "marginal" if self.marginal else "unsafe"
 
 
 def as_offered(actions: Iterable[str]) -> list[str]:
     """Sort actions in the order in which they are offered, unknown ones last."""
-    known = set(actions)
-    return [*(name for name in ACTIONS if name in known), *sorted(known - set(ACTIONS))]
+    names = set(actions)
+    return [*(name for name in ACTIONS if name in names), *sorted(names - set(ACTIONS))]
 
 
 def has_enough_margin(outcome: ActionOutcome) -> bool:
@@ -152,21 +154,22 @@ def best_action(outcomes: Mapping[str, ActionOutcome]) -> str | None:
     (`INTERVENTIONS`), then the one with the larger gap, then the one with gentler braking. If no action has enough
     margin, the largest gap wins, then the least intrusive action.
     """
-    ranked = []
-    for index, name in enumerate(as_offered(outcomes)):
-        outcome = outcomes[name]
-        if outcome.safe:
-            gap = math.inf if outcome.margin_m is None else outcome.margin_m
-            braking = outcome.peak_deceleration or 0.0
-            rank, place = _intrusion(_ALIKE.get(name, name)), _intrusion(name)
-            is_enough = has_enough_margin(outcome)
-            order = (rank, -gap, braking) if is_enough else (-gap, rank, braking)
-            ranked.append((not is_enough, order, place, index, name))
-    return min(ranked)[-1] if ranked else None
+    safe = [name for name in as_offered(outcomes) if outcomes[name].safe]
+    return min(safe, key=lambda name: _rank(name, outcomes[name]), default=None)
+
+
+def _rank(action: str, outcome: ActionOutcome) -> tuple[bool, tuple[float, float, float], int]:
+    """Return the rank of a safe action; the least is best."""
+    gap_m = math.inf if outcome.margin_m is None else outcome.margin_m
+    braking = outcome.peak_deceleration or 0.0
+    intrusion = _intrusion(_ALIKE.get(action, action))
+    is_tight = not has_enough_margin(outcome)
+    order = (-gap_m, intrusion, braking) if is_tight else (intrusion, -gap_m, braking)
+    return is_tight, order, _intrusion(action)
 
 
 def _intrusion(action: str) -> int:
-    """Return the place of an action in `INTERVENTIONS`."""
+    """Return the index of an action in `INTERVENTIONS`; unlisted ones come last."""
     return INTERVENTIONS.index(action) if action in INTERVENTIONS else len(INTERVENTIONS)
 
 
@@ -315,19 +318,22 @@ class Episode(LeanData):
                 outcome.label,
                 _figure(outcome.margin_m, "m"),
                 _figure(outcome.min_ttc_s, "s"),
-                ", ".join(
-                    [
-                        *outcome.contacts,
-                        *(["off the road"] if outcome.off_road else []),
-                        *(["past the red light"] if outcome.ran_red else []),
-                    ]
-                ),
+                ", ".join(_touched(outcome)),
             )
             for action, outcome in self.actions.items()
         ]
         head = ("action", "outcome", "margin", "minimum TTC", "touched")
         when = "" if self.decision_s is None else f", decision at {self.decision_s:.2f} s"
         return html_table(rows, head=head, caption=f"{title}{when}")
+
+
+def _touched(outcome: ActionOutcome) -> Iterator[str]:
+    """Yield the actors, edges and lights that an action did not keep clear of."""
+    yield from outcome.contacts
+    if outcome.off_road:
+        yield "off the road"
+    if outcome.ran_red:
+        yield "past the red light"
 
 
 def _figure(value: float | None, unit: str) -> str:

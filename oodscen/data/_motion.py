@@ -1,7 +1,7 @@
 """Motions made to order: movements that a scene carries, for what no catalogue has."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, Self
 
@@ -31,6 +31,8 @@ EASE: dict[str, float] = {"time": 1.0, "ego": 5.0}
 """Stretch over which a repeated motion gathers pace, s or m of the ego."""
 BACKWARDS = 0.4
 """Share of its speed that a body reaches backwards."""
+LEAST_SPAN = 0.05
+"""Least distance between two keys, s or m of the ego."""
 NEAR_M = 1e-6
 """Difference between the first and the last key of a repeated motion that counts as none, m or degrees."""
 
@@ -39,6 +41,8 @@ BodyKind = Literal["person", "animal", "cyclist", "car", "truck", "loose", "flyi
 Facing = Literal["fixed", "along", "against"]
 Ending = Literal["stay", "repeat", "go_on"]
 
+_BODY_FRAMES = ("other", "ego")
+"""Frames that move with another body."""
 _COURSES = ("keys", "walk", "roll", "drift", "swing", "circle")
 
 
@@ -117,7 +121,7 @@ class Motion(LeanData):
     @model_validator(mode="after")
     def _sound(self) -> Self:
         issues = list(_form_faults(self))
-        if not issues or _is_ordered(self):
+        if not issues or _is_measurable(self):
             issues += motion_faults(self)
         if issues:
             raise IssuesError(issues)
@@ -132,8 +136,8 @@ class Motion(LeanData):
         """Return the key poses, those of its course if it has one."""
         if self.keys:
             return self.keys
-        found: Walk | Roll | Drift | Swing | Circle = getattr(self, self.course)
-        return found.poses()
+        course: Walk | Roll | Drift | Swing | Circle = getattr(self, self.course)
+        return course.poses()
 
     def track(self) -> PoseTrack:
         """Return the smooth curve through the key poses."""
@@ -154,25 +158,30 @@ class Motion(LeanData):
         """Return it as a behaviour of a catalogue."""
         from oodscen.data._catalogue import BehaviourKind
 
-        poses = self.poses()
-        last = poses[-1]
-        before = "stands"
-        if self.frame == "other":
-            before = "goes along with another actor"
-        elif self.begins == "moving":
-            first = math.dist((poses[1].ahead, poses[1].left), (poses[0].ahead, poses[0].left))
-            before = f"moves straight ahead at {first / poses[1].at:.2g} "
-            before += "m/s" if self.by == "time" else "m per metre of the ego's way"
+        last = self.poses()[-1]
         way = " along the road" if self.frame == "lane" else ""
-        extent = f"{last.ahead:.3g} m ahead and {last.left:.3g} m to the left in {last.at:.3g} "
-        extent += "s" if self.by == "time" else "m of the ego's way"
+        unit = "s" if self.by == "time" else "m of the ego's way"
+        extent = (
+            f"{last.ahead:.3g} m ahead and {last.left:.3g} m to the left in {last.at:.3g} {unit}"
+        )
         return BehaviourKind(
             id=self.id,
-            description=f"{before}; from the trigger on{way}: {self.description} ({extent})",
+            description=f"{self._before()}; from the trigger on{way}: {self.description} ({extent})",
             categories=ABILITIES[self.body].categories,
             needs_other=self.frame == "other",
             like=KEYED,
         )
+
+    def _before(self) -> str:
+        """Return what the body does before the trigger."""
+        if self.frame == "other":
+            return "goes along with another actor"
+        if self.begins == "rest":
+            return "stands"
+        first, second, *_ = self.poses()
+        speed = math.dist((second.ahead, second.left), (first.ahead, first.left)) / second.at
+        unit = "m/s" if self.by == "time" else "m per metre of the ego's way"
+        return f"moves straight ahead at {speed:.2g} {unit}"
 
 
 def motion_faults(motion: Motion, ego_speed: float = EGO_MPS) -> list[Issue]:
@@ -183,39 +192,37 @@ def motion_faults(motion: Motion, ego_speed: float = EGO_MPS) -> list[Issue]:
         ego_speed: Speed of the ego for keys over its distance, m/s.
     """
     rate = max(ego_speed, 1.0) if motion.by == "ego" else 1.0
-    track, able = motion.track(), ABILITIES[motion.body]
-    if motion.pace:
-        rate *= 1.0 + motion.pace
+    rate *= 1.0 + motion.pace
+    track, ability = motion.track(), ABILITIES[motion.body]
     issues = [
         Issue(_at(motion, index + 1), message)
         for index in range(len(track.spans))
-        if (message := _stretch_fault(motion, track, index, rate, able))
+        if (message := _stretch_fault(motion, track, index, rate, ability))
     ]
     if motion.then == "repeat" and not issues:
-        needed, index = track.set_off(EASE[motion.by])
-        if needed * rate * rate > able.acceleration + ROUNDING:
-            message = f"needs {needed * rate * rate:.3g} m/s^2 to get under way from rest"
-            message += f"; {able.words} can {able.acceleration:g}: begin more slowly"
+        acceleration, index = track.set_off(EASE[motion.by])
+        acceleration *= rate * rate
+        if acceleration > ability.acceleration + ROUNDING:
+            message = (
+                f"needs {acceleration:.3g} m/s^2 to get under way from rest; {ability.words} can "
+                f"{ability.acceleration:g}: begin more slowly"
+            )
             issues.append(Issue(_at(motion, index + 1), message))
-    issues += [
-        Issue(
-            _at(motion, index, "up"), f"{able.words} gets {able.height:g} m above the road at most"
-        )
-        for index, pose in enumerate(motion.poses())
-        if pose.up > able.height
-    ]
+    for index, pose in enumerate(motion.poses()):
+        if pose.up > ability.height:
+            message = f"{ability.words} gets {ability.height:g} m above the road at most"
+            issues.append(Issue(_at(motion, index, "up"), message))
     return issues
-
-
-# ---------------------------------------------------------------------- faults
 
 
 def _form_faults(motion: Motion) -> Iterator[Issue]:
     """Yield the faults of the form: what is missing, out of order, or does not fit together."""
-    given = [name for name in _COURSES if getattr(motion, name)]
-    if len(given) != 1:
-        told = f"not {' and '.join(given)}" if given else "none is given"
-        yield Issue(given[1] if given else "keys", f"give one of {', '.join(_COURSES)}; {told}")
+    courses = [name for name in _COURSES if getattr(motion, name)]
+    if not courses:
+        yield Issue("keys", f"give one of {', '.join(_COURSES)}; none is given")
+        return
+    if len(courses) > 1:
+        yield Issue(courses[1], f"give one of {', '.join(_COURSES)}; not {' and '.join(courses)}")
         return
     try:
         poses = motion.poses()
@@ -223,83 +230,100 @@ def _form_faults(motion: Motion) -> Iterator[Issue]:
         for issue in error.issues:
             yield Issue(motion.course, f"leads to a key whose `{issue.path}` is out of range")
         return
-    limit = FARTHEST_M if motion.by == "ego" else LONGEST_S
-    unit = "m" if motion.by == "ego" else "s"
-    first = poses[0]
+    yield from _key_faults(motion, poses)
+    yield from _begin_faults(motion, poses)
+    yield from _end_faults(motion, poses)
+
+
+def _key_faults(motion: Motion, poses: Sequence[KeyPose]) -> Iterator[Issue]:
+    """Yield the faults of the keys: the first is 0, times rise up to a limit, and something moves."""
+    unit, limit = ("m", FARTHEST_M) if motion.by == "ego" else ("s", LONGEST_S)
+    first, last = poses[0], poses[-1]
     if first.at != 0:
         yield Issue(_at(motion, 0, "at"), "the first key is at 0")
     for name in ("ahead", "left"):
         if getattr(first, name) != 0:
             yield Issue(_at(motion, 0, name), "the first key is where the actor is placed: 0")
-    for index, (key_pose, two) in enumerate(pairwise(poses), start=1):
-        if two.at < key_pose.at + 0.05:
-            yield Issue(
-                _at(motion, index, "at"), f"must be at least 0.05 {unit} after the last key"
-            )
-    if poses[-1].at > limit:
+    for index, (pose, following) in enumerate(pairwise(poses), start=1):
+        if following.at < pose.at + LEAST_SPAN:
+            message = f"must be at least {LEAST_SPAN:g} {unit} after the last key"
+            yield Issue(_at(motion, index, "at"), message)
+    if last.at > limit:
         yield Issue(_at(motion, len(poses) - 1, "at"), f"at most {limit:g} {unit}")
-    if motion.let_go is not None and motion.frame not in ("other", "ego"):
-        yield Issue("let_go", "only what moves with another body (`other`, `ego`) can be let go")
-    if motion.begins == "moving":
-        if motion.by == "ego" or motion.frame in ("other", "ego"):
-            yield Issue("begins", "what moves with another body cannot move before: `rest`")
-        elif len(poses) < 2 or motion.then == "repeat":
-            yield Issue("begins", "needs at least two keys, and no repetition")
     if motion.frame in ("start", "lane") and len({pose.values()[1:] for pose in poses}) < 2:
         yield Issue(motion.course, "nothing moves: at least two keys differ")
+
+
+def _begin_faults(motion: Motion, poses: Sequence[KeyPose]) -> Iterator[Issue]:
+    """Yield the faults of a body that moves before the trigger."""
+    if motion.begins == "rest":
+        return
+    if motion.by == "ego" or motion.frame in _BODY_FRAMES:
+        yield Issue("begins", "what moves with another body cannot move before: `rest`")
+    elif len(poses) < 2 or motion.then == "repeat":
+        yield Issue("begins", "needs at least two keys, and no repetition")
+
+
+def _end_faults(motion: Motion, poses: Sequence[KeyPose]) -> Iterator[Issue]:
+    """Yield the faults of the end: letting go, going on and repeating."""
+    if motion.let_go is not None:
+        if motion.frame not in _BODY_FRAMES:
+            message = "only what moves with another body (`other`, `ego`) can be let go"
+            yield Issue("let_go", message)
+        elif motion.facing != "fixed":
+            yield Issue("facing", "what is let go keeps its heading: `fixed`")
     if motion.then != "stay" and len(poses) < 2:
         yield Issue("then", "needs at least two keys")
     elif motion.then == "repeat":
-        yield from _seam_faults(motion, first, poses[-1])
-    if motion.frame in ("other", "ego") and motion.facing != "fixed" and motion.let_go is not None:
-        yield Issue("facing", "what is let go keeps its heading: `fixed`")
+        yield from _seam_faults(motion, poses[0], poses[-1])
 
 
-def _is_ordered(motion: Motion) -> bool:
-    """Return whether there is one course, and every key comes after the last."""
+def _is_measurable(motion: Motion) -> bool:
+    """Return whether there is one course, its keys come one after the other, and two if they repeat."""
     if sum(bool(getattr(motion, name)) for name in _COURSES) != 1:
         return False
     try:
         poses = motion.poses()
     except DataError:
         return False
-    return all(two.at > pose.at for pose, two in pairwise(poses))
+    if motion.then == "repeat" and len(poses) < 2:
+        return False
+    return all(following.at > pose.at for pose, following in pairwise(poses))
 
 
 def _seam_faults(motion: Motion, first: KeyPose, last: KeyPose) -> Iterator[Issue]:
     """Yield a fault where the last pose of a repeated motion is not the first."""
-    where = len(motion.poses()) - 1
-    for name in ("ahead", "left", "up"):
-        if abs(getattr(first, name) - getattr(last, name)) > NEAR_M:
-            yield Issue(_at(motion, where, name), "what repeats ends in the pose of its first key")
-    for name in ("yaw", "pitch", "roll"):
-        apart = (getattr(first, name) - getattr(last, name)) % 360.0
-        if min(apart, 360.0 - apart) > NEAR_M:
-            yield Issue(_at(motion, where, name), "what repeats ends in the pose of its first key")
+    index = len(motion.poses()) - 1
+    for name in ("ahead", "left", "up", "yaw", "pitch", "roll"):
+        gap = abs(getattr(first, name) - getattr(last, name))
+        if name in ("yaw", "pitch", "roll"):
+            gap = min(gap % 360.0, -gap % 360.0)
+        if gap > NEAR_M:
+            yield Issue(_at(motion, index, name), "what repeats ends in the pose of its first key")
 
 
 def _stretch_fault(
-    motion: Motion, track: PoseTrack, index: int, rate: float, able: Ability
+    motion: Motion, track: PoseTrack, index: int, rate: float, ability: Ability
 ) -> str | None:
-    """Return why a body cannot move so between two keys, if it cannot."""
+    """Return the reason why a body cannot move so between two keys, `None` if it can."""
     measures = track.measure(index)
-    span, moved = track.spans[index], track.moved(index)
-    over = f"{span:g} s" if motion.by == "time" else f"{span:g} m of the ego"
-    here = f"{moved:.3g} m within {over}"
-    if measures.speed * rate > motion.fastest + ROUNDING:
-        how = "backwards " if motion.facing == "against" else ""
-        can = f"{able.words} can {how}{motion.fastest:g}"
-        return f"{here} takes {measures.speed * rate:.3g} m/s; {can}"
-    if measures.climb * rate > able.climb + ROUNDING:
-        return f"up or down at {measures.climb * rate:.3g} m/s; {able.words} can {able.climb:g}"
-    if measures.spin * rate > able.spin + ROUNDING:
-        return f"turns at {measures.spin * rate:.3g} degrees per second; {able.words} can {able.spin:g}"
-    needed = measures.acceleration * rate * rate
-    if needed > able.acceleration + ROUNDING:
-        message = f"needs {needed:.3g} m/s^2; {able.words} can {able.acceleration:g}"
-        return f"{here} {message}: allow more time, or ease in and out with further keys"
-    if motion.facing != "fixed" and measures.radius < able.radius - ROUNDING:
-        return f"turns within {measures.radius:.2g} m; {able.words} needs {able.radius:g} m"
+    speed, climb, spin = measures.speed * rate, measures.climb * rate, measures.spin * rate
+    acceleration = measures.acceleration * rate * rate
+    unit = "s" if motion.by == "time" else "m of the ego"
+    stretch = f"{track.moved(index):.3g} m within {track.spans[index]:g} {unit}"
+    if speed > motion.fastest + ROUNDING:
+        backwards = "backwards " if motion.facing == "against" else ""
+        can = f"{ability.words} can {backwards}{motion.fastest:g}"
+        return f"{stretch} takes {speed:.3g} m/s; {can}"
+    if climb > ability.climb + ROUNDING:
+        return f"up or down at {climb:.3g} m/s; {ability.words} can {ability.climb:g}"
+    if spin > ability.spin + ROUNDING:
+        return f"turns at {spin:.3g} degrees per second; {ability.words} can {ability.spin:g}"
+    if acceleration > ability.acceleration + ROUNDING:
+        needed = f"needs {acceleration:.3g} m/s^2; {ability.words} can {ability.acceleration:g}"
+        return f"{stretch} {needed}: allow more time, or ease in and out with further keys"
+    if motion.facing != "fixed" and measures.radius < ability.radius - ROUNDING:
+        return f"turns within {measures.radius:.2g} m; {ability.words} needs {ability.radius:g} m"
     return None
 
 

@@ -1,5 +1,6 @@
 """Smooth curves through key poses: monotone cubics that never leave the range between two keys."""
 
+import itertools
 import math
 from collections.abc import Sequence
 from typing import NamedTuple, Self
@@ -7,13 +8,14 @@ from typing import NamedTuple, Self
 AHEAD, LEFT, UP, YAW, PITCH, ROLL = range(6)
 """Indices of a pose: metres, then radians."""
 _SAMPLES = 8
-"""Places of a stretch at which speed and curvature are measured."""
+"""Pieces of a stretch at whose ends speed and curvature are measured."""
 _SLOW = 0.3
 """Speed below which a direction of travel means nothing, m per unit."""
 
-Pose = tuple[float, ...]
 _STRAIGHT = 1e-9
-"""Product of speed and sideways acceleration up to which a course is straight, m^2/s^3."""
+"""Product of speed and sideways acceleration up to which a way is straight, m^2/s^3."""
+
+Pose = tuple[float, ...]
 
 
 class Measures(NamedTuple):
@@ -56,7 +58,7 @@ class PoseTrack(NamedTuple):
         at = tuple(row[0] for row in rows)
         poses = tuple(tuple(row[1:]) for row in rows)
         last = len(rows) - 1
-        spans = [at[k + 1] - at[k] for k in range(last)]
+        spans = [end - start for start, end in itertools.pairwise(at)]
         columns = []
         for axis in range(6):
             rise = [(poses[k + 1][axis] - poses[k][axis]) / spans[k] for k in range(last)]
@@ -72,12 +74,12 @@ class PoseTrack(NamedTuple):
     @property
     def spans(self) -> tuple[float, ...]:
         """Lengths of the stretches in units of `at`."""
-        return tuple(b - a for a, b in zip(self.at, self.at[1:], strict=False))
+        return tuple(b - a for a, b in itertools.pairwise(self.at))
 
     def moved(self, index: int) -> float:
         """Return the distance along the ground between two keys, m."""
-        one, two = self.poses[index], self.poses[index + 1]
-        return math.dist(one[:UP], two[:UP])
+        start, end = self.poses[index], self.poses[index + 1]
+        return math.dist(start[:UP], end[:UP])
 
     def measure(self, index: int) -> Measures:
         """Return the greatest rates over one stretch."""
@@ -102,17 +104,17 @@ class PoseTrack(NamedTuple):
         Args:
             ease: Length over which it gathers pace evenly, in units of `at`; it covers half of that.
         """
-        found = (0.0, 0)
+        greatest = (0.0, 0)
         for k in range(4 * _SAMPLES + 1):
             pace = k / (4 * _SAMPLES)
-            place = 0.5 * ease * pace * pace % self.at[-1]
-            index = max(i for i in range(len(self.spans)) if self.at[i] <= place)
-            rates, bends = self._rates(index, (place - self.at[index]) / self.spans[index])
+            at = 0.5 * ease * pace * pace % self.at[-1]
+            index = max(i for i in range(len(self.spans)) if self.at[i] <= at)
+            rates, bends = self._rates(index, (at - self.at[index]) / self.spans[index])
             parts = [bends[axis] * pace * pace + rates[axis] / ease for axis in (AHEAD, LEFT)]
-            found = max(found, (math.hypot(*parts), index))
-        return found
+            greatest = max(greatest, (math.hypot(*parts), index))
+        return greatest
 
-    def _rates(self, index: int, u: float) -> tuple[list[float], list[float]]:
+    def _rates(self, index: int, share: float) -> tuple[list[float], list[float]]:
         """Return the first and second derivatives at a share of a stretch."""
         span = self.at[index + 1] - self.at[index]
         rates, bends = [], []
@@ -120,8 +122,8 @@ class PoseTrack(NamedTuple):
             rise = (self.poses[index + 1][axis] - self.poses[index][axis]) / span
             first, second = self.slopes[index][axis], self.slopes[index + 1][axis]
             c, d = 3.0 * rise - 2.0 * first - second, first + second - 2.0 * rise
-            rates.append(first + 2.0 * c * u + 3.0 * d * u * u)
-            bends.append((2.0 * c + 6.0 * d * u) / span)
+            rates.append(first + 2.0 * c * share + 3.0 * d * share * share)
+            bends.append((2.0 * c + 6.0 * d * share) / span)
         return rates, bends
 
 

@@ -1,6 +1,6 @@
 """Things made to order: designs that a scene carries, for what no catalogue has."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
@@ -8,13 +8,14 @@ from pydantic import Field, model_validator
 
 from oodscen.data import _shapes as shapes
 from oodscen.data._base import ROUNDING, Data
-from oodscen.data._blocks import REACH_M, Solid, held
 from oodscen.data._category import Category
 from oodscen.data._description import Description
-from oodscen.data._extents import Extent, Measured, Size, measured
+from oodscen.data._extents import Extent
+from oodscen.data._holding import REACH_M, Solid, held
 from oodscen.data._issues import MOST_PARTS, IssuesError
 from oodscen.data._lettering import strokes
-from oodscen.data._shapes import A_NUMBER, Part, Parts
+from oodscen.data._shapes import A_NUMBER, Parts
+from oodscen.data._survey import Size, Survey, all_parts, is_deeper, survey
 from oodscen.errors import Issue
 
 if TYPE_CHECKING:
@@ -89,15 +90,7 @@ class Prop(Data):
             sizes: Length, width and height of the catalogue's things, for those that are parts.
             state: The state that is shown; by default all of them.
         """
-        return measured(self.parts, state, sizes).bounds
-
-    @property
-    def is_passable(self) -> bool:
-        """True if cars drive over it, through it or beneath it in every state."""
-        found = measured(self.parts)
-        is_light = self.mass_kg <= LIGHT_KG or all(box.is_airy for _, box in found.spaces)
-        is_above = self.anchor != "road" and found.bounds.low[2] >= CLEAR_M
-        return self.touch == "flat" or is_above or (self.touch == "soft" and is_light)
+        return survey(self.parts, state, sizes).bounds
 
     def asset(self, sizes: Mapping[str, Size] | None = None) -> "Asset":
         """Return it as an asset of a catalogue.
@@ -107,8 +100,11 @@ class Prop(Data):
         """
         from oodscen.data._catalogue import Asset
 
-        low, high, _ = self.space(sizes)
-        tags = dict.fromkeys((*self.tags, MADE, *(("flat",) if self.touch == "flat" else ())))
+        drawn = survey(self.parts, sizes=sizes)
+        low, high, _ = drawn.bounds
+        tags = [*self.tags, MADE]
+        if self.touch == "flat":
+            tags.append("flat")
         return Asset(
             id=self.id,
             category=self.category,
@@ -116,9 +112,9 @@ class Prop(Data):
             length=max(0.05, round(high[0] - low[0], 2)),
             width=max(0.05, round(high[1] - low[1], 2)),
             height=max(0.01, round(high[2], 2)),
-            tags=tuple(tags),
+            tags=tuple(dict.fromkeys(tags)),
             states=self.states,
-            passable=(self.states or ("",)) if self.is_passable else self.passable,
+            passable=(self.states or ("",)) if _is_passable(self, drawn) else self.passable,
         )
 
 
@@ -129,28 +125,28 @@ def check_prop(prop: Prop, assets: "Iterable[Asset]") -> list[Issue]:
         prop: The design.
         assets: The assets of the simulator.
     """
-    known = {asset.id: asset for asset in assets}
+    catalogue = {asset.id: asset for asset in assets}
     issues = []
-    if prop.id in known and MADE not in known[prop.id].tags:
+    if prop.id in catalogue and MADE not in catalogue[prop.id].tags:
         issues.append(Issue("id", f"the catalogue has {prop.id!r} already"))
     moving = 0
-    for path, name in measured(prop.parts).shipped:
-        asset = known.get(name)
+    for path, asset_id in survey(prop.parts).assets:
+        asset = catalogue.get(asset_id)
         if asset is None:
-            issues.append(Issue(path, f"the catalogue has no {name!r}"))
+            issues.append(Issue(path, f"the catalogue has no {asset_id!r}"))
         elif asset.category in _MOVING:
             moving += 1
             if asset.category != prop.category or moving > 1:
                 message = (
-                    f"{name!r} moves by itself, so it is an actor of its own and no part; a design of "
+                    f"{asset_id!r} moves by itself, so it is an actor of its own and no part; a design of "
                     f"category {asset.category} may have one as its body"
                 )
                 issues.append(Issue(path, message))
     if not issues:
-        sizes = sizes_of(known.values())
-        issues += _size_faults(measured(prop.parts, None, sizes).bounds)
+        sizes = sizes_of(catalogue.values())
+        issues += _size_faults(survey(prop.parts, sizes=sizes).bounds)
         issues += _floating(prop, sizes)
-    return issues
+    return list(dict.fromkeys(issues))
 
 
 def sizes_of(assets: "Iterable[Asset]") -> dict[str, Size]:
@@ -158,40 +154,34 @@ def sizes_of(assets: "Iterable[Asset]") -> dict[str, Size]:
     return {asset.id: (asset.length, asset.width, asset.height) for asset in assets}
 
 
-# ---------------------------------------------------------------------- faults
+def _is_passable(prop: Prop, drawn: Survey) -> bool:
+    """Return whether cars drive over a thing, through it or beneath it in every state."""
+    if prop.touch == "flat":
+        return True
+    if prop.anchor != "road" and drawn.bounds.low[2] >= CLEAR_M:
+        return True
+    is_airy = not drawn.assets and all(box.is_airy for _, box in drawn.boxes)
+    return prop.touch == "soft" and (is_airy or prop.mass_kg <= LIGHT_KG)
 
 
 def _faults(prop: Prop) -> Iterator[Issue]:
     """Yield the faults of a design as a whole."""
-    if _depth(prop.parts) > MOST_DEPTH:
+    if is_deeper(prop.parts, MOST_DEPTH):
         yield Issue("parts", f"parts are nested more than {MOST_DEPTH} deep")
         return
-    found = measured(prop.parts)
-    yield from _cost_faults(found)
-    if found.solids > MOST_SOLIDS:
+    drawn = survey(prop.parts)
+    yield from _cost_faults(prop.parts, drawn)
+    if not drawn.is_complete or len(drawn.leaves) > MOST_SOLIDS:
         return
-    for path, word in found.words:
-        if word not in prop.states:
-            yield Issue(path, f"{word!r} is none of its states")
-    for word in prop.passable:
-        if word not in prop.states:
-            yield Issue("passable", f"{word!r} is none of its states")
-    if len(set(prop.states)) < len(prop.states):
-        yield Issue("states", "a state occurs more than once")
-    if not found.spaces:
-        if not found.shipped:
+    yield from _state_faults(prop)
+    if not drawn.boxes:
+        if not drawn.assets:
             yield Issue("parts", "nothing of it can be seen")
         return
-    tops: dict[str, float] = {}
-    for path, box in found.spaces:
-        tops[path] = max(box.high[2], tops.get(path, 0.0))
-    for path, (low, _, _) in found.spaces:
-        if low[2] < -SUNK_M or tops[path] <= 0.0:
-            yield Issue(path, f"reaches {-low[2]:.2f} m below the road, which is z = 0")
-            break
-    if found.shipped:
+    yield from _sunk_fault(drawn)
+    if drawn.assets:
         return
-    bounds = found.bounds
+    bounds = drawn.bounds
     yield from _size_faults(bounds)
     if prop.touch == "flat" and bounds.high[2] >= FLAT_M:
         yield Issue("touch", f"what is flat is lower than {FLAT_M:g} m, not {bounds.high[2]:.2f} m")
@@ -201,80 +191,93 @@ def _faults(prop: Prop) -> Iterator[Issue]:
     yield from _floating(prop, {})
 
 
-def _cost_faults(found: Measured) -> Iterator[Issue]:
+def _cost_faults(parts: Parts, drawn: Survey) -> Iterator[Issue]:
+    """Yield a fault for each limit that a design exceeds, and for words without a visible letter."""
+    if not drawn.is_complete:
+        yield Issue("parts", f"at most {MOST_SOLIDS:,} parts after repetition")
+        return
     limits = (
-        (found.parts, MOST_PARTS, "parts"),
-        (found.solids, MOST_SOLIDS, "parts after repetition"),
-        (found.triangles, MOST_TRIANGLES, "triangles"),
-        (found.lamps, MOST_LAMPS, "lamps"),
-        (found.puffs, MOST_PUFFS, "puffs"),
-        (len({text for _, text in found.texts}), MOST_TEXTS, "different texts"),
-        (len(found.colours), MOST_COLOURS, "colours"),
+        (sum(1 for _ in all_parts(parts)), MOST_PARTS, "parts"),
+        (len(drawn.leaves), MOST_SOLIDS, "parts after repetition"),
+        (drawn.triangles, MOST_TRIANGLES, "triangles"),
+        (drawn.lamps, MOST_LAMPS, "lamps"),
+        (drawn.puffs, MOST_PUFFS, "puffs"),
+        (len(set(drawn.texts.values())), MOST_TEXTS, "different texts"),
+        (len(drawn.colours), MOST_COLOURS, "colours"),
     )
-    for count, most, what in limits:
+    for count, most, noun in limits:
         if count > most:
-            yield Issue("parts", f"at most {most:,} {what}, not {count:,}")
-    for path, text in dict(found.texts).items():
+            yield Issue("parts", f"at most {most:,} {noun}, not {count:,}")
+    for path, text in drawn.texts.items():
         if not strokes(text):
             yield Issue(path, "no letter of it can be seen")
 
 
+def _state_faults(prop: Prop) -> Iterator[Issue]:
+    """Yield the faults of the states, and of the words that refer to them."""
+    for path, part in all_parts(prop.parts):
+        if isinstance(part, shapes.ConditionOf):
+            for word in part.when.split():
+                if word not in prop.states:
+                    yield Issue(f"{path}.when", f"{word!r} is none of its states")
+    for word in prop.passable:
+        if word not in prop.states:
+            yield Issue("passable", f"{word!r} is none of its states")
+    if len(set(prop.states)) < len(prop.states):
+        yield Issue("states", "a state occurs more than once")
+
+
+def _sunk_fault(drawn: Survey) -> Iterator[Issue]:
+    """Yield a fault for the first part that is too deep below the road, or not above it at all."""
+    tops: dict[str, float] = {}
+    for path, box in drawn.boxes:
+        tops[path] = max(box.high[2], tops.get(path, 0.0))
+    for path, box in drawn.boxes:
+        if tops[path] <= 0.0:
+            yield Issue(path, "nothing of it is above the road, which is z = 0")
+            return
+        if box.low[2] < -SUNK_M:
+            yield Issue(path, f"reaches {-box.low[2]:.2f} m below the road, which is z = 0")
+            return
+
+
 def _size_faults(bounds: Extent) -> Iterator[Issue]:
-    names = ("long", "wide", "high")
-    sizes = [bounds.high[0] - bounds.low[0], bounds.high[1] - bounds.low[1], bounds.high[2]]
-    for name, size, most in zip(names, sizes, LARGEST, strict=True):
-        if size > most + ROUNDING:
-            yield Issue("parts", f"it is {size:.1f} m {name}; {most:g} m at most")
-    if max(sizes) < LEAST_M:
-        yield Issue("parts", f"it is {max(sizes):.2f} m large; {LEAST_M:g} m at least can be seen")
+    """Yield the faults of the size of a thing."""
+    adjectives = ("long", "wide", "high")
+    size = [bounds.high[0] - bounds.low[0], bounds.high[1] - bounds.low[1], bounds.high[2]]
+    for adjective, extent, most in zip(adjectives, size, LARGEST, strict=True):
+        if extent > most + ROUNDING:
+            yield Issue("parts", f"it is {extent:.1f} m {adjective}; {most:g} m at most")
+    if max(size) < LEAST_M:
+        yield Issue("parts", f"it is {max(size):.2f} m large; {LEAST_M:g} m at least can be seen")
 
 
 def _floating(prop: Prop, sizes: Mapping[str, Size]) -> Iterator[Issue]:
     """Yield a fault for the first part that nothing holds, in any state."""
-    shipped = {name for _, name in measured(prop.parts).shipped}
-    known = tuple(sorted((name, sizes[name]) for name in shipped & sizes.keys()))
+    assets = {asset_id for _, asset_id in survey(prop.parts).assets}
+    asset_sizes = tuple(sorted((name, sizes[name]) for name in assets & sizes.keys()))
     for state in prop.states or ("",):
-        loose = _loose(prop.parts, prop.anchor == "road", state, known)
-        if loose:
-            here = f" in the state {state!r}" if state else ""
-            least = "the road or another part" if prop.anchor == "road" else "its other parts"
-            yield Issue(loose, f"floats{here}: it is more than {REACH_M:g} m from {least}")
+        path = _loose_part(prop.parts, prop.anchor == "road", state, asset_sizes)
+        if path is not None:
+            condition = f" in the state {state!r}" if state else ""
+            holders = "the road or another part" if prop.anchor == "road" else "its other parts"
+            yield Issue(path, f"floats{condition}: it is more than {REACH_M:g} m from {holders}")
             return
 
 
 @lru_cache(maxsize=512)
-def _loose(parts: Parts, is_standing: bool, state: str, sizes: tuple[tuple[str, Size], ...]) -> str:
-    """Return the path of the first part that nothing holds, empty if there is none.
+def _loose_part(
+    parts: Parts, is_standing: bool, state: str, asset_sizes: tuple[tuple[str, Size], ...]
+) -> str | None:
+    """Return the path of the first part that nothing holds, `None` if there is none.
 
     A design is read again with every scene that carries it, so the answer is kept.
     """
-    found = measured(parts, state, dict(sizes))
-    named = [
-        (path, Solid(box, *made))
-        for (path, box), made in zip(found.spaces, found.made_of, strict=True)
-        if not box.is_airy
-    ]
-    are_held = held([solid for _, solid in named], is_standing=is_standing)
-    loose = (path for (path, _), is_held in zip(named, are_held, strict=True) if not is_held)
-    return next(loose, "")
-
-
-_INNER = ("parts", "both_sides", "turned", "otherwise")
-_GROUPS = (
-    shapes.BothSidesOf, shapes.RowOf, shapes.CopiesOf, shapes.ConditionOf, shapes.TurnedOf
-)  # fmt: skip
-
-
-def _depth(parts: Sequence[Part]) -> int:
-    """Return how deep parts are nested, without recursion beyond what is allowed."""
-    level, depth = list(parts), 0
-    while level and depth <= MOST_DEPTH:
-        depth += 1
-        level = [
-            inner
-            for part in level
-            if isinstance(part, _GROUPS)
-            for name in _INNER
-            for inner in getattr(part, name, ())
-        ]
-    return depth
+    paths, solids = [], []
+    for leaf in survey(parts, state, dict(asset_sizes)).leaves:
+        for box in leaf.boxes:
+            if not box.is_airy:
+                paths.append(leaf.path)
+                solids.append(Solid(box, leaf.part, leaf.transform))
+    are_held = held(solids, is_standing=is_standing)
+    return next((path for path, is_held in zip(paths, are_held, strict=True) if not is_held), None)

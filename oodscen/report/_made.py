@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from oodscen._study_files import picture_of
-from oodscen.data._extents import Measured, measured
 from oodscen.data._motion import ABILITIES, Motion
 from oodscen.data._prop import Prop
 from oodscen.data._scene import Scene
+from oodscen.data._survey import Survey, all_parts, survey
 from oodscen.report import _phrasing as words
 from oodscen.report._charts.frames import FramePicture, picture
 from oodscen.report._load import Material
@@ -105,12 +105,12 @@ def _things(study: Study, material: Material) -> Iterator[ThingRow]:
     for prop, uses in _used(made, material.scenes, lambda scene: scene.made):
         made_prop = made.get(prop)
         look = made_prop.look if made_prop else None
-        walk = measured(prop.parts)
+        drawn = survey(prop.parts)
         yield ThingRow(
             prop=prop,
             picture=_picture(study, material, prop, uses, is_made=made_prop is not None),
-            facts=tuple(_facts(prop, walk)),
-            texts=tuple(dict.fromkeys(text for _, text in walk.texts)),
+            facts=tuple(_facts(prop, drawn)),
+            texts=tuple(dict.fromkeys(drawn.texts.values())),
             measures=_measures(look) if look else {},
             recognised=look.recognised if look else UNSEEN,
             faults=look.faults if look else (),
@@ -134,16 +134,16 @@ def _picture(
     return picture(study.folder, next(frames, None))
 
 
-def _facts(prop: Prop, walk: Measured) -> Iterator[str]:
+def _facts(prop: Prop, drawn: Survey) -> Iterator[str]:
     # The size of a thing of the catalogue is known to its simulator alone.
-    if not walk.shipped:
+    if not drawn.assets:
         size = prop.asset()
         yield f"{size.length:g} × {size.width:g} × {size.height:g} m"
     yield f"{prop.mass_kg:g} kg"
     yield prop.touch
     if prop.anchor != "road":
         yield prop.anchor
-    yield f"{walk.parts} parts"
+    yield f"{sum(1 for _ in all_parts(prop.parts))} parts"
 
 
 def _measures(look: PropLook) -> dict[str, list[str]]:

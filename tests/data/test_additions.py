@@ -72,6 +72,27 @@ def test_an_extended_catalogue_is_valid_and_has_it(addition):
     assert has[addition.kind]
 
 
+@given(st.sampled_from(get_args(AdditionKind)), st.lists(NAMES, min_size=1, max_size=3))
+def test_a_catalogue_extended_again_stays_as_it_is(kind, names):
+    """Names that differ only in letters of other scripts are names of different things."""
+    additions = [Addition.parse({"kind": kind, "name": name[:160]}) for name in names]
+    richer = extend(CATALOGUE, additions)
+    assert Catalogue.parse(richer.to_json()) == richer
+    assert extend(richer, additions) == richer
+
+
+@pytest.mark.parametrize("name", ["deer: asleep", "deer:", "deer"])
+def test_a_state_is_added_once_and_has_a_name(name):
+    richer = extend(CATALOGUE, [Addition(kind="state", name=name)] * 2)
+    asleep = ("asleep",) if name.endswith("asleep") else ()
+    assert richer.asset("deer").states == (*CATALOGUE.asset("deer").states, *asleep)
+
+
+def test_an_addition_that_the_catalogue_has_changes_nothing():
+    kind = CATALOGUE.behaviours[0].id
+    assert extend(CATALOGUE, [Addition(kind="behaviour", name=kind)]) == CATALOGUE
+
+
 @pytest.mark.parametrize("name", ["night", "fog", "rain", "snow", "ice"])
 def test_weather_that_a_scene_can_ask_for_is_added_as_such(name):
     bare = CATALOGUE.model_copy(

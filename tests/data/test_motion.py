@@ -67,7 +67,11 @@ _FAULTS: list[tuple[dict[str, Any], str]] = [
     ({"keys": [{"at": k} for k in range(MOST_KEYS + 1)]}, "keys"),
     ({"keys": PAIR, "then": "repeat"}, "keys[1].ahead"),
     ({"keys": [{"at": 0}], "then": "go_on"}, "then"),
+    ({"keys": [{"at": 0}], "then": "repeat"}, "then"),
+    ({"keys": [{"at": 0}], "begins": "moving"}, "begins"),
     ({"keys": [{"at": 0}, {"at": 2}]}, "keys"),
+    ({"keys": PAIR, "let_go": 2, "frame": "ego", "facing": "along"}, "facing"),
+    ({"keys": [*PAIR, {"at": 9, "yaw": 350}], "then": "repeat"}, "keys[2].yaw"),
     ({"keys": PAIR, "begins": "moving", "by": "ego"}, "begins"),
     ({"keys": PAIR, "walk": {"distance": 5}}, "walk"),
     ({"keys": PAIR, "let_go": 2}, "let_go"),
@@ -92,6 +96,12 @@ def test_every_fault_is_found(change: dict[str, Any], path: str) -> None:
     with pytest.raises(DataError) as refused:
         Motion.parse({**BASE, **change})
     assert path in [issue.path for issue in refused.value.issues]
+
+
+def test_whole_turns_are_no_difference_where_a_motion_repeats() -> None:
+    for yaw in (-720, 360):
+        keys = [{"at": 0}, {"at": 20, "ahead": 4}, {"at": 40, "yaw": yaw}]
+        assert Motion.parse({**BASE, "keys": keys, "then": "repeat"})
 
 
 def test_five_hundred_bad_motions_are_refused_with_paths() -> None:

@@ -180,3 +180,17 @@ def test_the_text_of_a_refusal_is_bounded_whatever_is_refused() -> None:
     assert len(str(refused.value)) < 1_000 * MOST_TOLD
     assert str(refused.value).endswith(f"and {len(refused.value.issues) - MOST_TOLD} more")
     assert max(len(str(issue)) for issue in refused.value.issues) < 1_000
+
+
+def test_a_heavy_soft_thing_of_the_catalogue_s_things_blocks() -> None:
+    """Its boxes are unknown without the catalogue, which must not make it airy."""
+    table = {**CLOUD, "parts": [{"asset": "crate"}]}
+    sizes = {"crate": (1.0, 1.0, 1.0)}
+    assert Prop.parse({**table, "mass_kg": 2}).asset(sizes).is_passable()
+    assert not Prop.parse({**table, "mass_kg": 2000}).asset(sizes).is_passable()
+
+
+def test_a_part_that_does_not_rise_above_the_road_is_told_so() -> None:
+    sheet = {"sheet": [[0, 0, 0], [1, 0, 0], [1, 1, 0]], "colour": "red"}
+    with pytest.raises(DataError, match=r"parts\[1\]: nothing of it is above the road"):
+        Prop.parse({**WALL, "parts": [*WALL["parts"], sheet]})

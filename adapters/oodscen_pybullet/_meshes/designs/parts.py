@@ -9,8 +9,8 @@ from typing import Annotated
 from pydantic import AfterValidator
 
 from oodscen.data import _shapes as shapes
-from oodscen.data._extents import bands, hung
 from oodscen.data._shapes import Part, Point, Rectangle
+from oodscen.data._tessellation import bands, sagging_points
 from oodscen_pybullet._meshes.atlas import REGIONS
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.look import Appearance
@@ -158,7 +158,7 @@ def _(part: shapes.Beam, mesh: MeshBuilder, shown: Appearance, place: Placing) -
 @add.register
 def _(part: shapes.Tube, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
     colours = [shown.colour(part.colour), shown.colour(part.second_colour or "")]
-    for start, end in itertools.pairwise(hung(part)):
+    for start, end in itertools.pairwise(sagging_points(part)):
         count = bands(part, start, end)
         for k in range(count):
             ends = (_between(start, end, share / count) for share in (k, k + 1))

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from oodscen.data import _shapes as shapes
-from oodscen.data._extents import OUTLINE, cells
 from oodscen.data._lettering import HEIGHT, strokes, width_of
+from oodscen.data._tessellation import BLOT_CORNERS, MAX_DASHES, cells
 from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs.parts import Placing, add
@@ -21,8 +21,6 @@ _THREAD = 0.03
 """Width of the threads of a net, m."""
 _JOINT = 0.1
 """Share of a board or brick that is its joint."""
-_MOST_DASHES = 79
-"""Dashes and gaps of a piece of a painted line, at most."""
 
 
 class _Face:
@@ -167,8 +165,8 @@ def _(part: shapes.Blot, mesh: MeshBuilder, shown: Appearance, place: Placing) -
     rng = np.random.Generator(np.random.PCG64(part.key))
     waves = [(n, *rng.uniform(0.0, 1.0, 2).tolist()) for n in (2, 3, 5, 7)]
     points = []
-    for index in range(OUTLINE):
-        turn = 2 * np.pi * index / OUTLINE
+    for index in range(BLOT_CORNERS):
+        turn = 2 * np.pi * index / BLOT_CORNERS
         swell = sum(size * sin(n * turn + 6.28 * phase) for n, phase, size in waves) / len(waves)
         reach = 0.5 * (1.0 - part.ragged * (0.5 - 0.5 * swell))
         points.append(
@@ -188,7 +186,7 @@ def _(part: shapes.Strip, mesh: MeshBuilder, shown: Appearance, place: Placing) 
         start, way = np.array([x0, y0]), np.array([x1 - x0, y1 - y0])
         length = float(np.sqrt((way**2).sum()))
         aside = np.array([-way[1], way[0]]) / length * part.width / 2
-        count = max(1, round(min(length / part.dash, _MOST_DASHES))) if part.dash else 1
+        count = max(1, round(min(length / part.dash, 2 * MAX_DASHES - 1))) if part.dash else 1
         for k in range(0, count, 2):
             first, last = start + way * k / count, start + way * (k + 1) / count
             dash = [first - aside, last - aside, last + aside, first + aside]

@@ -10,8 +10,8 @@ from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._rendering.triangles import SHINING, Triangles
 
 from oodscen.author._knowledge.designs import load_designs
-from oodscen.data._extents import measured
 from oodscen.data._prop import MOST_TRIANGLES, Prop, check_prop, sizes_of
+from oodscen.data._survey import survey
 from tests.made import CLOUD, WALL, designs
 
 SIZES = sizes_of(load_catalogue().assets)
@@ -34,7 +34,7 @@ def test_a_random_design_fills_its_box_and_no_more(table: dict[str, Any]) -> Non
         assert (np.abs(mesh.vertices[:, :2]) <= half).all()
         assert 0.0 <= low[2] <= 0.02
         assert high[2] <= asset.height + 0.02
-        assert len(mesh.triangles) <= measured(prop.parts, state).triangles <= MOST_TRIANGLES
+        assert len(mesh.triangles) <= survey(prop.parts, state).triangles <= MOST_TRIANGLES
         assert (mesh.normals**2).sum(axis=1) == pytest.approx(1.0)
         assert np.isfinite(mesh.vertices).all()
 

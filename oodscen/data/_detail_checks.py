@@ -1,0 +1,128 @@
+"""Checks of an actor's details against the asset, the things and the poses of a simulator."""
+
+from collections.abc import Collection, Iterator, Mapping
+from typing import TYPE_CHECKING
+
+from oodscen.data._base import ROUNDING
+from oodscen.data._category import Category
+from oodscen.data._details import AssetDetails, DetailKinds, Details, Size, posed
+from oodscen.errors import Issue, close_matches
+
+if TYPE_CHECKING:
+    from oodscen.data._catalogue import Asset
+    from oodscen.data._prop import Prop
+
+HELD_M: Size = (2.2, 3.3, 2.2)
+"""Greatest lesser and greater extent along the ground, and height, of what a person can hold, m."""
+HELD_KG = 60.0
+"""Greatest mass of a thing made to order that a person can hold, kg."""
+LOADABLE: frozenset[Category] = frozenset({"object", "work_zone", "vegetation"})
+"""Categories of what can be held or loaded; what moves by itself is an actor of its own."""
+_LOADABLE_WORDS = "things that do not move by themselves"
+LOAD_HEIGHT_M = 3.0
+"""Greatest height of a load, m."""
+
+
+def check_details(
+    details: Details,
+    asset: "Asset",
+    behaviour: str,
+    things: "Mapping[str, Asset]",
+    kinds: DetailKinds,
+    made: "Mapping[str, Prop]",
+) -> list[Issue]:
+    """Return an issue for every detail that an asset cannot show.
+
+    Args:
+        details: The details of an actor.
+        asset: Its asset.
+        behaviour: The built-in behaviour that it has, or that stands in for its own.
+        things: All assets by id, with those made to order.
+        kinds: The poses and parts of the simulator.
+        made: The things made to order, by id.
+    """
+    offers = asset.offers or AssetDetails()
+    can_show = {
+        "pose": bool(offers.poses),
+        "holds": bool(offers.poses),
+        "parts": bool(offers.parts),
+        "colour": offers.is_painted,
+        "cargo": offers.bed is not None,
+        "text": offers.has_text,
+    }
+    issues = [
+        Issue(name, f"{asset.id!r} cannot show it; {_offers(can_show)}")
+        for name in details.given()
+        if not can_show[name]
+    ]
+    if can_show["pose"]:
+        issues += _pose_issues(details, offers, behaviour, kinds)
+    if can_show["parts"]:
+        issues += [
+            Issue(f"parts[{index}]", unknown_words("part", name, offers.parts))
+            for index, name in enumerate(details.parts)
+            if name not in offers.parts
+        ]
+    if details.holds and can_show["holds"]:
+        issues += _thing_issues("holds", details.holds, things, HELD_M, made)
+    if details.cargo and offers.bed is not None:
+        room = (offers.bed.width, offers.bed.length, LOAD_HEIGHT_M)
+        issues += _thing_issues("cargo", details.cargo, things, room, {})
+    return issues
+
+
+def _pose_issues(
+    details: Details, offers: AssetDetails, behaviour: str, kinds: DetailKinds
+) -> Iterator[Issue]:
+    """Yield the faults of a person's pose, and of hands that are not free in it."""
+    name = posed(details)
+    if name and name not in offers.poses:
+        yield Issue("pose", unknown_words("pose", name, offers.poses))
+        return
+    pose = kinds.pose(name)
+    if pose is None:
+        return
+    if pose.is_still and behaviour not in ("stand", "fall"):
+        yield Issue("pose", f"who is in the pose {name!r} stays in place: the behaviour is 'stand'")
+    if details.holds and pose.grip is None:
+        free = ", ".join(kind.id for kind in kinds.poses if kind.grip and kind.id in offers.poses)
+        yield Issue("holds", f"the hands are not free in the pose {name!r}, but in: {free}")
+
+
+def _thing_issues(
+    path: str, name: str, things: "Mapping[str, Asset]", room: Size, made: "Mapping[str, Prop]"
+) -> Iterator[Issue]:
+    """Yield the faults of a thing that is held or loaded: its kind, size and mass."""
+    thing = things.get(name)
+    if thing is None:
+        yield Issue(path, unknown_words("asset", name, things))
+        return
+    if thing.category not in LOADABLE:
+        message = (
+            f"{name!r} is a {thing.category} and an actor of its own; this is for {_LOADABLE_WORDS}"
+        )
+        yield Issue(path, message)
+    width, length = sorted((thing.length, thing.width))
+    extents = (width, length, thing.height)
+    if any(extent > most + ROUNDING for extent, most in zip(extents, room, strict=True)):
+        size = f"{length:g} x {width:g} x {thing.height:g} m"
+        most = f"{room[1]:g} x {room[0]:g} x {room[2]:g} m"
+        yield Issue(path, f"{name!r} is {size}, at most {most} fit")
+    prop = made.get(name)
+    if prop is not None and prop.mass_kg > HELD_KG:
+        yield Issue(path, f"{name!r} has {prop.mass_kg:g} kg, and a person holds {HELD_KG:g} kg")
+
+
+def _offers(can_show: Mapping[str, bool]) -> str:
+    """Return the details that an asset can show, for a message."""
+    offered = [name for name, is_offered in can_show.items() if is_offered]
+    return f"it can show: {', '.join(offered)}" if offered else "it has one look"
+
+
+def unknown_words(noun: str, name: str, allowed: Collection[str]) -> str:
+    """Return the message about an unknown name, with close matches or all names that are allowed."""
+    matches = close_matches(name, allowed)
+    hint = f"known: {', '.join(allowed)}" if allowed else "there are none"
+    if matches:
+        hint = f"did you mean {' or '.join(matches)}?"
+    return f"unknown {noun} {name!r}; {hint}"
