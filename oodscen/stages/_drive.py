@@ -3,6 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -323,7 +324,11 @@ def _pair(one: DriveResult, other: DriveResult, needless: bool | None) -> list[D
 
 def failed_drive(scene_id: str, name: str, error: BaseException) -> DriveResult:
     """Return the result of a drive that did not come to its end because of an error."""
-    words = one_line(printable(message(error))) if isinstance(error, OodscenError) else ""
+    words = (
+        one_line(printable(message(error)))
+        if isinstance(error, OodscenError | BrokenExecutor)
+        else ""
+    )
     return DriveResult(
         id=f"{scene_id}@{name}",
         scene_id=scene_id,

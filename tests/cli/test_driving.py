@@ -53,7 +53,7 @@ def test_a_stack_in_the_current_folder_drives(with_stack, tmp_path, capfd) -> No
     assert broken.exit_code == 1
     assert "stack_beside:Broken, twins: 0 of 1 passed" in broken.output
     assert "1 failed" in broken.output
-    assert "@stack_beside:Broken: no\n" in broken.stderr
+    assert "@stack_beside:Broken: RuntimeError: no\n" in broken.stderr
     for unknown in ("stack", "stack_beside:Nobody", "no_such_stack:Driver"):
         refused = run(main, ["drive", "out", "--driver", unknown])
         assert refused.exit_code == 2
@@ -189,3 +189,12 @@ def test_a_stack_may_change_the_working_folder_and_leave_a_thread(with_stack, tm
     assert found.exit_code == 0
     assert (tmp_path / "out" / "drives.jsonl").is_file()
     assert list((tmp_path / "elsewhere").iterdir()) == []
+
+
+def test_a_driver_that_is_named_twice_drives_once(with_stack, tmp_path) -> None:
+    with_stack("stack_twice", STACK)
+    names = ["--driver", "stack_twice:make"] * 2
+    found = CliRunner().invoke(main, ["drive", "out", *names, "--workers", "0"])
+    assert found.exit_code == 0
+    assert found.stderr.count("a stack talks") == 2  # One in the scene, one in its twin.
+    assert "drive: 1 in " in found.stderr
