@@ -221,9 +221,10 @@ def replay(
         refuse_idle("with --out, which writes a tree", "as_json")
     (scenario_tree,) = _read(which, place)
     if (edit, round_, stage) != (None, None, None):
+        earlier = scenario_tree.at(edit=edit, round=round_, stage=stage)
         if round_ is not None:
             _tell_late_round(round_, scenario_tree)
-        scenario_tree = scenario_tree.at(edit=edit, round=round_, stage=stage)
+        scenario_tree = earlier
     for index in undo:
         scenario_tree = _undone(scenario_tree, index)
     if out is not None:
@@ -266,8 +267,9 @@ def _edit_line(index: int, edit: TreeEdit, node_count: int) -> str:
     origin = [edit.stage] if edit.stage else []
     if edit.round is not None:
         origin.append(f"round {edit.round}")
-    source = f"  ({one_line(', '.join(origin))})" if origin else ""
-    return f"{index:6}  {node_count:6} nodes  {edit.op:8}{edit.node}{parent}{label}{source}"
+    source = one_line(", ".join(origin))
+    line = f"{index:6}  {node_count:6} nodes  {edit.op:8}{edit.node}{parent}{label}"
+    return f"{line}  ({source})" if source else line
 
 
 def _read(which: str, *places: Path) -> list[ScenarioTree]:
