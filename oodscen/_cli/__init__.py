@@ -20,10 +20,10 @@ from oodscen._cli import (
     claims,
     completion,
     components,
-    configuration,
     driving,
     evaluation,
     export,
+    init,
     interchange,
     judging,
     measuring,
@@ -222,7 +222,7 @@ def main(context: click.Context, debug: bool) -> None:
 
 for _command in (
     study.run,
-    configuration.init,
+    init.init,
     show.show,
     stages.grow,
     stages.redteam,
