@@ -20,10 +20,10 @@ from oodscen._cli import (
     claims,
     completion,
     components,
-    configuration,
     driving,
     evaluation,
     export,
+    init,
     interchange,
     judging,
     measuring,
@@ -59,16 +59,16 @@ _ORDER = "oodscen.order"
 class _MainGroup(CommandGroup):
     """Turns the library's errors into one friendly line and an exit code."""
 
-    def main(self, args: Sequence[str] | None = None, *given: Any, **options: Any) -> Any:
+    def main(self, args: Sequence[str] | None = None, *rest: Any, **options: Any) -> Any:
         try:
-            return super().main(args, *given, **options)
+            return super().main(args, *rest, **options)
         except OSError as error:
             if "--debug" in (sys.argv if args is None else args):
                 raise
             with suppress(OSError):
-                where = f" {error.filename}" if error.filename else ""
-                why = redact(f"cannot write the output{where}: {error.strerror or error}")
-                say(f"oodscen: {why}", err=True)
+                file = f" {error.filename}" if error.filename else ""
+                message = redact(f"cannot write the output{file}: {error.strerror or error}")
+                say(f"oodscen: {message}", err=True)
             drop_output()
             sys.exit(1)
 
@@ -102,12 +102,12 @@ class _MainGroup(CommandGroup):
             _clean(error)
             raise
         except KeyboardInterrupt as interrupt:
-            again = ""
+            continuation = ""
             if ctx.invoked_subcommand in ("run", "evaluate") and "--dry-run" not in order:
                 command = redact(shlex.join(["oodscen", *_without(order, "--drop")]))
-                again = f"; finished work is saved, and this command continues: {command}"
+                continuation = f"; finished work is saved, and this command continues: {command}"
             with suppress(OSError):  # the terminal has hung up
-                say(f"oodscen: interrupted{again}", err=True)
+                say(f"oodscen: interrupted{continuation}", err=True)
             ctx.exit(128 + getattr(interrupt, "signal", signal.SIGINT))
         except MemoryError:
             if ctx.params.get("debug"):
@@ -118,9 +118,13 @@ class _MainGroup(CommandGroup):
             if ctx.params.get("debug"):
                 raise
             say(f"oodscen: {shortened(redact(str(error)))}", err=True)
-            ctx.exit(
-                2 if isinstance(error, UsageError) else 3 if isinstance(error, RunStopped) else 1
-            )
+            ctx.exit(_exit_code(error))
+
+
+def _exit_code(error: OodscenError) -> int:
+    if isinstance(error, UsageError):
+        return 2
+    return 3 if isinstance(error, RunStopped) else 1
 
 
 def _clean(error: click.ClickException) -> None:
@@ -143,22 +147,22 @@ def _interruptible() -> Iterator[None]:
     A signal that the process was started to ignore, as under `nohup`, stays ignored. A foreign error after an
     interruption counts as the interruption: a compiler whose callback was cut off fails a moment later.
     """
-    before: dict[int, Any] = {}
+    handlers: dict[int, Any] = {}
     received: list[int] = []
 
     def interrupt(number: int, frame: FrameType | None) -> None:
-        for one in before:
-            signal.signal(one, signal.SIG_DFL)
-        before[signal.SIGALRM] = signal.getsignal(signal.SIGALRM)
+        for handled in handlers:
+            signal.signal(handled, signal.SIG_DFL)
+        handlers[signal.SIGALRM] = signal.getsignal(signal.SIGALRM)
         received.append(number)
         raise_until_handled(lambda: _Interrupt(number))
 
-    handler = in_this_process(interrupt, before)
+    handler = in_this_process(interrupt, handlers)
     try:
         if threading.current_thread() is threading.main_thread():
             for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
                 if signal.getsignal(number) is not signal.SIG_IGN:
-                    before[number] = signal.getsignal(number)
+                    handlers[number] = signal.getsignal(number)
                     signal.signal(number, handler)
         with unreported(_Interrupt):
             yield
@@ -169,22 +173,22 @@ def _interruptible() -> Iterator[None]:
             raise _Interrupt(received[0]) from error
         raise
     finally:
-        if signal.SIGALRM in before:
+        if signal.SIGALRM in handlers:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
-        for one, former in before.items():
-            signal.signal(one, former)
+        for handled, former in handlers.items():
+            signal.signal(handled, former)
 
 
 def _without(order: list[str], option: str) -> list[str]:
     """Return the arguments without an option, and its value, that must not be repeated."""
-    kept: list[str] = []
+    remaining: list[str] = []
     words = iter(order)
     for word in words:
         if word == option:
             next(words, None)
         elif not word.startswith(f"{option}="):
-            kept.append(word)
-    return kept
+            remaining.append(word)
+    return remaining
 
 
 EXIT_CODES = {
@@ -199,7 +203,9 @@ EXIT_CODES = {
     143: "interrupted by SIGTERM; run the same command to continue",
 }
 
-_EPILOG = "\b\nExit codes:\n" + "\n".join(f"  {code}  {said}" for code, said in EXIT_CODES.items())
+_EPILOG = "\b\nExit codes:\n" + "\n".join(
+    f"  {code}  {meaning}" for code, meaning in EXIT_CODES.items()
+)
 
 
 @click.group(
@@ -212,17 +218,17 @@ def main(context: click.Context, debug: bool) -> None:
     """Test automated driving on out-of-distribution scenarios written by language models."""
     enforce()
     try:
-        here = os.getcwd()
+        folder = os.getcwd()
     except OSError:
         raise UsageError("the current folder no longer exists; change to one that does") from None
-    if here not in sys.path:
-        sys.path.append(here)
-        context.call_on_close(lambda: sys.path.remove(here))
+    if folder not in sys.path:
+        sys.path.append(folder)
+        context.call_on_close(lambda: sys.path.remove(folder))
 
 
 for _command in (
     study.run,
-    configuration.init,
+    init.init,
     show.show,
     stages.grow,
     stages.redteam,

@@ -1,7 +1,7 @@
 """The command that compares scenes with their texts."""
 
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
@@ -52,31 +52,23 @@ def check_claims(
 ) -> None:
     """Check every scene of the file SCENES against the claims of its text.
 
-    Scenes from any source are accepted; one that is given twice counts once. An ordinary demand is compared with its own text. Malformed lines, scenes
-    without a text and scenes that cannot be staged are reported and counted, not checked. The exit code is 1 if
-    there are any, or if a scene contradicts its text.
+    Scenes from any source are accepted; one that is given twice counts once. An ordinary demand is compared with
+    its own text. Malformed lines, scenes without a text and scenes that cannot be staged are reported and counted,
+    not checked. The exit code is 1 if there are any, or if a scene contradicts its text.
     """
-    from oodscen import Scenario, Scene, make_llm, make_simulator
+    from oodscen import Scene, make_llm, make_simulator
     from oodscen.claims._faithfulness import Faithfulness, Unjudged, compare_text
     from oodscen.llm._accounting import Ledger
 
     refuse_idle_server(llm)
-    texts, faulty = dict[str, str](), []
-    for number, scenario in _values(Scenario, scenarios):
-        if isinstance(scenario, Scenario):
-            if texts.setdefault(scenario.id, scenario.text) != scenario.text:
-                raise UsageError(
-                    f"{scenarios}, line {number}: there is another text {scenario.id!r}"
-                )
-        else:
-            faulty.append(Unjudged(id=f"{scenarios.name}:{number}", faults=scenario))
+    texts, malformed = _texts(scenarios)
     ledger = Ledger()
     model = make_llm(llm, seed=seed, api_base=api_base, log=ledger.add)
     catalogue = make_simulator(simulator).catalogue()
     measure = things_encoder(encoder)
-    rows: list[Faithfulness | Unjudged] = [*faulty]
-    staged = _once(_values(Scene, scenes), scenes)
-    for number, scene in tracked(staged, "check-claims", len(staged), ledger):
+    rows: list[Faithfulness | Unjudged] = [*malformed]
+    lines = _distinct_scenes(scenes)
+    for number, scene in tracked(lines, "check-claims", len(lines), ledger):
         if not isinstance(scene, Scene):
             rows.append(Unjudged(id=f"{scenes.name}:{number}", faults=scene))
             continue
@@ -94,31 +86,48 @@ def check_claims(
     sys.exit(bool(_print(rows, as_json=as_json)))
 
 
-def _once(
-    values: "Iterable[tuple[int, Scene | tuple[str, ...]]]", scenes: Path
-) -> "list[tuple[int, Scene | tuple[str, ...]]]":
-    """Return the values without the scenes that repeat an earlier one.
+def _texts(path: Path) -> "tuple[dict[str, str], list[Unjudged]]":
+    """Return the texts of a file by id, and its malformed lines.
+
+    Raises:
+        UsageError: If two different texts have one id.
+    """
+    from oodscen.claims._faithfulness import Unjudged
+    from oodscen.data._scenario import Scenario
+
+    texts: dict[str, str] = {}
+    malformed: list[Unjudged] = []
+    for number, scenario in _values(Scenario, path):
+        if not isinstance(scenario, Scenario):
+            malformed.append(Unjudged(id=f"{path.name}:{number}", faults=scenario))
+        elif texts.setdefault(scenario.id, scenario.text) != scenario.text:
+            raise UsageError(f"{path}, line {number}: there is another text {scenario.id!r}")
+    return texts, malformed
+
+
+def _distinct_scenes(path: Path) -> "list[tuple[int, Scene | tuple[str, ...]]]":
+    """Return the scenes of a file, or the faults of malformed lines, without scenes that repeat an earlier one.
 
     Raises:
         UsageError: If two different scenes have one id.
     """
-    known: dict[str, Scene] = {}
-    kept = []
-    for number, value in values:
-        if not isinstance(value, tuple):
-            if value.id in known:
-                if value != known[value.id]:
-                    raise UsageError(
-                        f"{scenes}, line {number}: there is another scene {value.id!r}"
-                    )
+    from oodscen.data._scene import Scene
+
+    by_id: dict[str, Scene] = {}
+    lines: list[tuple[int, Scene | tuple[str, ...]]] = []
+    for number, scene in _values(Scene, path):
+        if isinstance(scene, Scene):
+            if scene.id in by_id:
+                if scene != by_id[scene.id]:
+                    raise UsageError(f"{path}, line {number}: there is another scene {scene.id!r}")
                 continue
-            known[value.id] = value
-        kept.append((number, value))
-    return kept
+            by_id[scene.id] = scene
+        lines.append((number, scene))
+    return lines
 
 
 def _print(rows: "Sequence[Faithfulness | Unjudged]", *, as_json: bool) -> int:
-    """Print what was found, and return the number of scenes that are unfaithful or could not be checked."""
+    """Print the rows, and return the number of scenes that are unfaithful or could not be checked."""
     from oodscen.claims._faithfulness import Faithfulness, Unjudged
 
     judged = [row for row in rows if isinstance(row, Faithfulness)]
@@ -126,15 +135,15 @@ def _print(rows: "Sequence[Faithfulness | Unjudged]", *, as_json: bool) -> int:
     claims = sum(len(row.findings) for row in judged)
     unfaithful = len(unjudged) + sum(not row.is_faithful for row in judged)
     if as_json:
-        lines = [row.model_dump(mode="json") for row in rows]
-        say(canonical_json({"scenes": lines, "claims": claims, "unfaithful": unfaithful}))
+        content = [row.model_dump(mode="json") for row in rows]
+        say(canonical_json({"scenes": content, "claims": claims, "unfaithful": unfaithful}))
         return unfaithful
-    for row in judged:
-        for mismatch in row.mismatches:
-            say(f"{row.id}: the text says {mismatch.claim}, but {mismatch.found}")
-    for failed in unjudged:
-        for fault in failed.faults:
-            say(f"{failed.id}: {fault}")
+    for faithfulness in judged:
+        for mismatch in faithfulness.mismatches:
+            say(f"{faithfulness.id}: the text says {mismatch.claim}, but {mismatch.found}")
+    for row in unjudged:
+        for fault in row.faults:
+            say(f"{row.id}: {fault}")
     unchecked = f", {len(unjudged)} of them could not be checked" if unjudged else ""
     say(f"{len(rows)} scenes, {claims} claims, {unfaithful} unfaithful scenes{unchecked}")
     return unfaithful

@@ -2,6 +2,7 @@
 
 import json
 import sys
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,11 +16,13 @@ from oodscen._cli.paths import PathName
 from oodscen._cli.progress import tracked
 
 if TYPE_CHECKING:
-    from oodscen.judging._drive_board import DriveRate, DriveRow
+    from oodscen.data._drive_result import DriveResult
+    from oodscen.judging._drive_board import DriveRate, DriveRow, Pairing
     from oodscen.judging._leaderboard.rows import Estimate
+    from oodscen.study._study import Study
 
-_SHOWN = 5
-"""Failed drives that are named."""
+_LISTED = 5
+"""Maximum number of failed drives that are listed."""
 
 
 @click.command()
@@ -63,92 +66,121 @@ def drive(
     """
     from oodscen._pipeline.drives import drive_all
     from oodscen.data._pairing import scene_of
-    from oodscen.judging._drive_board import current_results, drive_board
+    from oodscen.judging._drive_board import drive_board
     from oodscen.report._render import write_report
     from oodscen.study._stale import refuse_stale
     from oodscen.study._study import Study
 
     study = Study.open(out.absolute())  # A stack may change the working folder.
     click.get_current_context().with_resource(study.store.writing())
-    staged, scenarios = study.scenes, study.scenarios
-    refuse_stale(study, study.episodes, staged)
-    scenes = staged[:limit]
-    names = drivers or ("rule-based",)
-    before = study.drives
-    found = {row.id: row for row in current_results(before, staged)}
+    scenes = study.scenes
+    refuse_stale(study, study.episodes, scenes)
+    chosen = scenes[:limit]
+    names = tuple(dict.fromkeys(drivers)) or ("rule-based",)
     simulator, seed = study.config.simulator, study.config.seed
-    drives = drive_all(names, scenes, simulator, seed, workers=workers, time_limit_s=time_limit)
-    has_driven = False
-    try:
-        for results in tracked(drives, "drive", len(names) * len(scenes)):
-            found.update((result.id, result) for result in results)
-            has_driven = True
-    except BaseException:
-        if has_driven:
-            study.store.write_lines("drives.jsonl", current_results(found.values(), staged))
-        raise
-    rows = current_results(found.values(), staged)
-    board = drive_board(rows, scenarios, seed=study.config.seed)
-    study.store.write_lines("drives.jsonl", rows)
+    drives = drive_all(names, chosen, simulator, seed, workers=workers, time_limit_s=time_limit)
+    earlier = study.drives
+    results = _save_results(study, tracked(drives, "drive", len(names) * len(chosen)))
+    board = drive_board(results, study.scenarios, seed=seed)
     page = write_report(study)
     if as_json:
         say(json.dumps([row.model_dump(mode="json") for row in board.rows], indent=2))
     else:
-        say("\n".join([*map(_line, board.rows), *board.remarks()]))
+        lines = [line for row in board.rows for line in _row_lines(row)]
+        say("\n".join([*lines, *board.remarks()]))
         say(f"report: {page.resolve()}")
-    ran = {scene.id for scene in scenes}
-    here = [row for row in rows if row.driver in names and scene_of(row.scene_id) in ran]
-    failed = [row for row in here if row.status == "failed"]
-    for row in failed[:_SHOWN]:
-        say(f"{row.id}: {row.error or row.error_type}", err=True)
-    if len(failed) > _SHOWN:
-        say(f"... and {len(failed) - _SHOWN} more in drives.jsonl", err=True)
-    if lost := len({drive_result.id for drive_result in before} - {row.id for row in rows}):
-        say(f"{lost} earlier results are dropped, because their scenes have changed", err=True)
-    sys.exit(bool(failed))
+    scene_ids = {scene.id for scene in chosen}
+    failures = [
+        result
+        for result in results
+        if result.status == "failed"
+        and result.driver in names
+        and scene_of(result.scene_id) in scene_ids
+    ]
+    for failure in failures[:_LISTED]:
+        say(f"{failure.id}: {failure.error or failure.error_type}", err=True)
+    if len(failures) > _LISTED:
+        say(f"... and {len(failures) - _LISTED} more in drives.jsonl", err=True)
+    dropped = {result.id for result in earlier} - {result.id for result in results}
+    if dropped:
+        say(
+            f"{len(dropped)} earlier results are dropped, because their scenes have changed",
+            err=True,
+        )
+    sys.exit(bool(failures))
 
 
-def _line(row: "DriveRow") -> str:
-    """Summarise one driver's results in the scenes, or in the twins, in a few lines."""
+def _save_results(
+    study: "Study", batches: "Iterable[Sequence[DriveResult]]"
+) -> "Sequence[DriveResult]":
+    """Add results to the study's, and return all; an error or interruption loses none of those before it."""
+    from oodscen.judging._drive_board import current_results
+
+    scenes = study.scenes
+    by_id = {result.id: result for result in current_results(study.drives, scenes)}
+    has_driven = False
+    try:
+        for batch in batches:
+            by_id.update((result.id, result) for result in batch)
+            has_driven = True
+    except BaseException:
+        if has_driven:
+            study.store.write_lines("drives.jsonl", current_results(by_id.values(), scenes))
+        raise
+    results = current_results(by_id.values(), scenes)
+    study.store.write_lines("drives.jsonl", results)
+    return results
+
+
+def _row_lines(row: "DriveRow") -> Iterator[str]:
+    """Yield a few lines about one driver's results in the scenes, or in the twins."""
     from oodscen.judging._drive_board import CRITICAL_TTC_S
 
-    share, mean = row.shares, row.means
-    critical, needless = share["critical"], share.get("needless")
-    lines = [
-        f"{row.driver}, {row.kind}: {row.passed} of {row.n} passed{_range(share['passed'])}, {row.collisions} "
-        f"collisions{_range(share['collisions'])}, {row.off_road} off the road, {row.failed} failed"
-        + (f", {row.inconclusive} inconclusive" if row.inconclusive else ""),
-        f"  means: least TTC {_mean(mean['min_ttc_s'], ' s')}, least headway {_mean(mean['min_headway_s'], ' s')}, "
-        f"hardest braking {_mean(mean['peak_deceleration'], ' m/s2')}, peak jerk {_mean(mean['peak_jerk'], ' m/s3')}, "
-        f"progress {_mean(mean['progress'], '', percent=True)}",
-        f"  a collision or a TTC below {CRITICAL_TTC_S} s in {_of(critical)}"
-        + (f"; needless braking in {_of(needless)}" if needless else ""),
-    ]
-    if (pair := row.paired) is not None and pair.n:
-        sound, test = pair.drives_and_passes, pair.against_rule_based
-        pairs = (
-            f"  of {pair.n} pairs {pair.both} passed both, {pair.twin_only} only the twin, {pair.scene_only} only the "
-            f"scene; drives and passes: {sound.hits}{_range(sound)}"
+    shares, means = row.shares, row.means
+    inconclusive = f", {row.inconclusive} inconclusive" if row.inconclusive else ""
+    yield (
+        f"{row.driver}, {row.kind}: {row.passed} of {row.n} passed{_interval(shares['passed'])}, "
+        f"{row.collisions} collisions{_interval(shares['collisions'])}, "
+        f"{row.off_road} off the road, {row.failed} failed{inconclusive}"
+    )
+    yield (
+        f"  means: least TTC {_mean(means['min_ttc_s'], ' s')}, "
+        f"least headway {_mean(means['min_headway_s'], ' s')}, "
+        f"hardest braking {_mean(means['peak_deceleration'], ' m/s2')}, "
+        f"peak jerk {_mean(means['peak_jerk'], ' m/s3')}, "
+        f"progress {_mean(means['progress'], '', form='.0%')}"
+    )
+    needless = shares.get("needless")
+    braking = f"; needless braking in {_share(needless)}" if needless else ""
+    yield f"  a collision or a TTC below {CRITICAL_TTC_S} s in {_share(shares['critical'])}{braking}"
+    if row.paired is not None and row.paired.n:
+        yield _pairs_line(row.paired)
+
+
+def _pairs_line(pairs: "Pairing") -> str:
+    both_right, test = pairs.drives_and_passes, pairs.against_rule_based
+    line = (
+        f"  of {pairs.n} pairs {pairs.both} passed both, {pairs.twin_only} only the twin, "
+        f"{pairs.scene_only} only the scene; drives and passes: {both_right.hits}{_interval(both_right)}"
+    )
+    if test:
+        line += (
+            f", {100 * test.difference:+.0f} points against rule-based (p {test.p_clustered:.3f})"
         )
-        if test:
-            points = f"{100 * test.difference:+.0f} points"
-            pairs += f", {points} against rule-based (p {test.p_clustered:.3f})"
-        lines.append(pairs)
-    return "\n".join(lines)
+    return line
 
 
-def _of(share: "DriveRate") -> str:
-    return f"{share.hits} of {share.n}{_range(share)}"
+def _share(share: "DriveRate") -> str:
+    return f"{share.hits} of {share.n}{_interval(share)}"
 
 
-def _range(share: "DriveRate") -> str:
+def _interval(share: "DriveRate") -> str:
     return f" [{share.interval.low:.0%}, {share.interval.high:.0%}]" if share.interval else ""
 
 
-def _mean(mean: "Estimate", unit: str, *, percent: bool = False) -> str:
+def _mean(mean: "Estimate", unit: str, *, form: str = ".1f") -> str:
     if mean.value is None:
         return "-"
-    form = ".0%" if percent else ".1f"
-    between = mean.interval
     text = f"{mean.value:{form}}{unit}"
-    return text + (f" [{between.low:{form}}, {between.high:{form}}]" if between else "")
+    interval = mean.interval
+    return text + (f" [{interval.low:{form}}, {interval.high:{form}}]" if interval else "")

@@ -3,7 +3,7 @@
 import json
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,12 +24,13 @@ from oodscen._cli.output import say
 from oodscen._cli.paths import READABLE, PathName
 from oodscen._cli.progress import bars
 from oodscen._cli.summaries import estimated, exit_code, graded, kept_verdicts, left_out, standings
-from oodscen.data._verdict import without_pictures as named_without_pictures
+from oodscen.data._verdict import without_pictures
 from oodscen.errors import UsageError
 from oodscen.judging._people import is_person
 
 if TYPE_CHECKING:
     from oodscen.judging._leaderboard.requirements import RequirementResult
+    from oodscen.llm._accounting import Ledger
     from oodscen.study._config import StudyConfig
     from oodscen.study._study import Study
 
@@ -89,7 +90,6 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
     from oodscen._pipeline.dropping import drop_models
     from oodscen.judging._leaderboard.requirements import parse_requirement
     from oodscen.llm._accounting import Ledger
-    from oodscen.study._stale import refuse_stale
     from oodscen.study._study import Study
 
     evaluation = _Evaluation(
@@ -97,26 +97,22 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
     )
     if evaluation.required is not None:
         parse_requirement(evaluation.required)
-    before = Study.open(out)
+    study = Study.open(out)
     evaluation.check()
-    if evaluation.required is not None and not evaluation.has_questions:
-        # A model's questions would have the changed scenes run again.
-        refuse_stale(before, before.episodes, before.scenes)
+    evaluation.check_against(study)
     limits, ledger = limits_from(choices), Ledger()
-    refuse_idle_prices(limits, *evaluation.models(before.config))
-    if not evaluation.dry_run:
-        click.get_current_context().with_resource(before.store.writing())
-    for name, count in (
-        drop_models(before, evaluation.dropped).items() if evaluation.dropped else ()
-    ):
-        say(f"{name} is taken out with {count} verdicts; {_kept(name)}", err=True)
-    known = {verdict.model for verdict in before.stored_verdicts}
-    config, study = evaluation.configuration(before), before
+    refuse_idle_prices(limits, *evaluation.models(study.config))
     if evaluation.dry_run:
-        rows = estimate(out, config, RunOptions(limits=limits))
-        say(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
+        rows = estimate(out, evaluation.configuration(study), RunOptions(limits=limits))
+        say(json.dumps([row.model_dump() for row in rows]) if as_json else estimated(rows))
         return
-    asked_at = _asked_at(before) if evaluation.vlms else {}
+    click.get_current_context().with_resource(study.store.writing())
+    if evaluation.dropped:
+        for name, count in drop_models(study, evaluation.dropped).items():
+            say(f"{name} is taken out with {count} verdicts; {_after_drop(name)}", err=True)
+    judged_before = {verdict.model for verdict in study.stored_verdicts}
+    config = evaluation.configuration(study)
+    asked_at = _asked_at(study) if evaluation.vlms else {}
     if evaluation.has_questions:
         with bars(ledger) as progress:
             study = run_study(
@@ -134,30 +130,36 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
         say(line, err=True)
     if grades is not None:
         sys.exit(exit_code(grades))
-    chosen = {
-        ledger.kept_verdicts[vlm][0] if vlm in ledger.kept_verdicts else vlm
-        for vlm in evaluation.vlms
-    }
-    chosen |= {*map(named_without_pictures, chosen)}
-    again = known if evaluation.retry_failed and not evaluation.vlms else chosen
-    verdicts = study.verdicts
-    here = {verdict.model for verdict in verdicts} - (known - again)
-    sys.exit(any(one.status == "failed" and one.model in here for one in verdicts))
+    if evaluation.retry_failed and not evaluation.vlms:
+        judged_before = set()  # All of them are judged again.
+    judged_again = _verdict_names(evaluation.vlms, ledger)
+    sys.exit(
+        any(
+            verdict.status == "failed"
+            and (verdict.model in judged_again or verdict.model not in judged_before)
+            for verdict in study.verdicts
+        )
+    )
 
 
-def _kept(name: str) -> str:
+def _after_drop(name: str) -> str:
     """Say what remains of a row that was taken out, and how it comes back."""
     if is_person(name):
         return "its answers stay in people.jsonl; to judge them again, give the file again (--answers FILE)"
     return "its answers stay in answers.jsonl, and judging it again uses them unless --retry-failed is given"
 
 
+def _verdict_names(vlms: Iterable[str], ledger: "Ledger") -> set[str]:
+    """Return the names of models in verdicts, with and without pictures."""
+    names = {ledger.kept_verdicts[vlm][0] if vlm in ledger.kept_verdicts else vlm for vlm in vlms}
+    return names | {without_pictures(name) for name in names}
+
+
 def _asked_at(study: "Study") -> dict[str, str]:
     """Return when each judged model was last asked, by its name in verdicts; empty if not recorded."""
-    calls = study.store.lines("calls.jsonl")
     return {
         call.get("model", ""): call.get("time", "")
-        for call in calls
+        for call in study.store.lines("calls.jsonl")
         if call.get("stage") == "evaluate"
     }
 
@@ -184,9 +186,13 @@ class _Evaluation:
     def has_questions(self) -> bool:
         """True if there is more to do than to remove models and to grade."""
         settings = (self.chain, self.rear_view, self.ordinary)
-        is_wider = self.without_pictures or self.retry_failed or settings != (None, None, None)
-        named = (self.vlms, self.judge, self.answers, self.protocol == "paper")
-        return is_wider or any(named)
+        return (
+            bool(self.vlms or self.judge or self.answers)
+            or self.protocol == "paper"
+            or self.without_pictures
+            or self.retry_failed
+            or any(setting is not None for setting in settings)
+        )
 
     def check(self) -> None:
         """Refuse options that ask for nothing, or that contradict each other."""
@@ -202,32 +208,46 @@ class _Evaluation:
             )
         if self.dry_run:
             refuse_idle("with --dry-run, which counts what was never asked", "retry_failed")
-        if not (self.vlms or self.judge):
+        if not self.named_models:
             refuse_idle("without --vlm or --judge, whose server it names", "api_base")
 
-    def models(self, before: "StudyConfig") -> tuple[list[str], dict[str, str | None]]:
-        """Return the models that may be asked, and the addresses of their servers."""
-        mine = [*filter(None, (*self.vlms, self.judge))]
-        given = dict.fromkeys(mine, self.api_base) if self.api_base else {}
-        kept = [name for name in before.models if name not in self.dropped]
-        return [*kept, *mine], {**before.servers, **given}
+    def check_against(self, study: "Study") -> None:
+        """Refuse what cannot be asked of a study, before a model is taken out of it."""
+        from oodscen._pipeline.answering import read_answers
+        from oodscen.study._stale import refuse_stale
 
-    def refuse_fewer(self, before: "Study") -> None:
-        """Refuse to ask about fewer ordinary drives than the models before, since a board has one set of items."""
-        if self.ordinary is not None and self.ordinary < before.config.ordinary:
+        if self.required is not None and not self.has_questions:
+            # A model's questions would have the changed scenes run again.
+            refuse_stale(study, study.episodes, study.scenes)
+        before = study.config.ordinary
+        if self.ordinary is not None and self.ordinary < before:
             raise UsageError(
-                f"the models before were asked about {before.config.ordinary} ordinary drives of every scene: "
+                f"the models before were asked about {before} ordinary drives of every scene: "
                 f"leave out --ordinary {self.ordinary}"
             )
+        read_answers(study, self.answers)
 
-    def configuration(self, before: "Study") -> "StudyConfig":
+    @property
+    def named_models(self) -> list[str]:
+        """The models that the options name."""
+        return [*self.vlms, self.judge] if self.judge else [*self.vlms]
+
+    @property
+    def servers(self) -> dict[str, str | None]:
+        """The address of the server of each named model; empty without `--api-base`."""
+        return dict.fromkeys(self.named_models, self.api_base) if self.api_base else {}
+
+    def models(self, config: "StudyConfig") -> tuple[list[str], dict[str, str | None]]:
+        """Return the models that may be asked, and the addresses of their servers."""
+        remaining = [name for name in config.models if name not in self.dropped]
+        return [*remaining, *self.named_models], {**config.servers, **self.servers}
+
+    def configuration(self, study: "Study") -> "StudyConfig":
         """Return the configuration of a study that judges so too; a person's answers are added to the study."""
         from oodscen._pipeline.answering import add_answers
         from oodscen.study._config import StudyConfig
 
-        self.refuse_fewer(before)
-        config, is_paper = before.config, self.protocol == "paper"
-        models = filter(None, (*self.vlms, self.judge)) if self.api_base else ()
+        config, is_paper = study.config, self.protocol == "paper"
         changes = {
             "vlms": self.vlms or (config.vlms if is_paper else ()),
             "protocols": (self.protocol,),
@@ -236,9 +256,9 @@ class _Evaluation:
             "rear_view": bool(self.rear_view),
             "withheld": (self.vlms or config.vlms) if self.without_pictures else (),
             "ordinary": self.ordinary or 1,
-            "people": add_answers(before, self.answers),
+            "people": add_answers(study, self.answers),
             "judge": self.judge,
-            "servers": dict.fromkeys(models, self.api_base),
+            "servers": self.servers,
         }
         return StudyConfig.parse(config.model_dump() | changes).judging_too(config)
 
@@ -252,10 +272,10 @@ def _show_board(
 
     board = Leaderboard.load(study.folder / "leaderboard.json")
     if as_json:
-        shown = board.model_dump(mode="json")
+        content = board.model_dump(mode="json")
         if grades is not None:
-            shown["requirements"] = [grade.model_dump(mode="json") for grade in grades]
-        say(json.dumps(shown, indent=2, ensure_ascii=False))
+            content["requirements"] = [grade.model_dump(mode="json") for grade in grades]
+        say(json.dumps(content, indent=2, ensure_ascii=False))
     else:
         say("\n".join(filter(None, (standings(board), agreement_in_words(study.info)))))
         if grades is not None:

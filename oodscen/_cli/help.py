@@ -1,4 +1,4 @@
-"""Help texts that are grouped by what one wants."""
+"""Help texts whose commands and options are grouped by purpose."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -19,20 +19,21 @@ COMMANDS: Sections = {
 
 
 def sections_of(sections: Sections, names: Iterable[str], rest: str) -> dict[str, tuple[str, ...]]:
-    """Return the names of every section that has any, in the order of the sections.
+    """Return the sections that have a name, each with its names.
 
     Args:
         sections: Titles with the names that belong to them.
-        names: The names that there are.
+        names: The names to list.
         rest: Title for those in no section.
     """
-    there = list(names)
-    found = {
-        title: tuple(one for one in listed if one in there) for title, listed in sections.items()
+    present = list(names)
+    filled = {
+        title: tuple(name for name in section if name in present)
+        for title, section in sections.items()
     }
-    known = {one for listed in sections.values() for one in listed}
-    found[rest] = tuple(one for one in there if one not in known)
-    return {title: listed for title, listed in found.items() if listed}
+    listed = {name for section in sections.values() for name in section}
+    filled[rest] = tuple(name for name in present if name not in listed)
+    return {title: section for title, section in filled.items() if section}
 
 
 class SectionedCommand(click.Command):
@@ -49,9 +50,10 @@ class SectionedCommand(click.Command):
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the options of each section."""
         options = {
-            option_key(one): record
-            for one in self.get_params(ctx)
-            if isinstance(one, click.Option) and (record := one.get_help_record(ctx)) is not None
+            option_key(param): record
+            for param in self.get_params(ctx)
+            if isinstance(param, click.Option)
+            and (record := param.get_help_record(ctx)) is not None
         }
         for title, names in sections_of(self.sections, options, "Further options").items():
             with formatter.section(title):

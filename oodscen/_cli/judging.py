@@ -29,7 +29,7 @@ _COUNT = click.IntRange(1, MOST)
     help="Correlation between the two models' results on the same scene.",
 )
 @click.option(
-    "--power", "wanted", type=SHARE, default=0.8, show_default=True, help="Required power."
+    "--power", "power_", type=SHARE, default=0.8, show_default=True, help="Required power."
 )
 @click.option("--alpha", type=SHARE, default=0.05, show_default=True, help="Significance level.")
 @click.option(
@@ -54,7 +54,7 @@ def power(
     second: float,
     unpaired: bool,
     agreement: float,
-    wanted: float,
+    power_: float,
     alpha: float,
     comparisons: int,
     per_path: int,
@@ -65,7 +65,7 @@ def power(
     """Print the number of scenes needed to tell the success rates FIRST and SECOND apart, e.g. 0.66 0.51."""
     from oodscen.judging._leaderboard.power import distinct_percents, power_of, scenes_needed
 
-    source = click.get_current_context().get_parameter_source("wanted")
+    source = click.get_current_context().get_parameter_source("power_")
     if scenes is not None and source is ParameterSource.COMMANDLINE:
         raise click.UsageError("--scenes prints the power of that many scenes: leave out --power")
     if unpaired:
@@ -78,17 +78,17 @@ def power(
         "per_path": per_path,
         "icc": icc,
     }
-    needed = scenes_needed(first, second, power=wanted, **design)
+    needed = scenes_needed(first, second, power=power_, **design)
     if scenes is None:
         say(needed.model_dump_json(indent=2) if as_json else str(needed))
         return
-    found = power_of(first, second, scenes, **design)
+    achieved = power_of(first, second, scenes, **design)
     if as_json:
-        say(json.dumps({"scenes": scenes, "power": found}))
+        say(json.dumps({"scenes": scenes, "power": achieved}))
         return
-    effect = f" in paths of {per_path} that correlate by {icc:g}" if per_path > 1 and icc else ""
-    (chance,) = distinct_percents(found)
-    say(f"{scenes} scenes{effect} detect that difference with a power of {chance}")
+    paths = f" in paths of {per_path} that correlate by {icc:g}" if per_path > 1 and icc else ""
+    (percent,) = distinct_percents(achieved)
+    say(f"{scenes} scenes{paths} detect that difference with a power of {percent}")
 
 
 @click.command()
@@ -102,7 +102,7 @@ def audit(out: Path, as_json: bool) -> None:
     pictures is the floor that a model has to beat in noticing.
     """
     from oodscen.data._base import canonical_json
-    from oodscen.judging._shortcuts.audit import audit as audited
+    from oodscen.judging._shortcuts.audit import audit as audit_shortcuts
     from oodscen.report._render import write_report
     from oodscen.study._frames import frames_of
     from oodscen.study._stale import refuse_stale
@@ -114,10 +114,9 @@ def audit(out: Path, as_json: bool) -> None:
         refuse_stale(study, episodes, scenes)
         for episode in episodes:
             frames_of(study.store, episode.frames, episode.file_sha256, study.config.camera)
-        found = audited(episodes, scenes, study.scenarios, study.folder, seed=study.config.seed)
-        study.store.write(AUDIT, canonical_json(found.model_dump(mode="json")) + "\n")
+        result = audit_shortcuts(
+            episodes, scenes, study.scenarios, study.folder, seed=study.config.seed
+        )
+        study.store.write(AUDIT, canonical_json(result.model_dump(mode="json")) + "\n")
     write_report(study)
-    if as_json:
-        say(found.model_dump_json(indent=2))
-    else:
-        say(str(found))
+    say(result.model_dump_json(indent=2) if as_json else str(result))

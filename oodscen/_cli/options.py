@@ -28,7 +28,9 @@ if TYPE_CHECKING:
 Command = Callable[..., Any]
 
 
-def _options(*decorators: Callable[[Command], Command]) -> Callable[[Command], Command]:
+def grouped_options(*decorators: Callable[[Command], Command]) -> Callable[[Command], Command]:
+    """Return one decorator for several options, which help lists in this order."""
+
     def apply(function: Command) -> Command:
         for decorator in reversed(decorators):
             function = decorator(function)
@@ -37,7 +39,7 @@ def _options(*decorators: Callable[[Command], Command]) -> Callable[[Command], C
     return apply
 
 
-llm_options = _options(
+llm_options = grouped_options(
     click.option(
         "--llm",
         type=ComponentName("llm"),
@@ -69,7 +71,7 @@ things_option = click.option(
     help="Text encoder that compares the things of a text with the actors said to show them; `none` compares words "
     "only.",
 )
-rollout_options = _options(
+rollout_options = grouped_options(
     click.option(
         "--reaction",
         multiple=True,
@@ -139,18 +141,18 @@ def refuse_idle_prices(
     from oodscen._registry import make_llm
 
     asked = [*filter(is_asked, models)]
-    known = set(asked)
-    if limits.prices.keys() - known:
-        for name in asked:
+    names = set(asked)
+    if limits.prices.keys() - names:
+        for model in asked:
             # A class may have another name than that by which it is asked for.
             with suppress(OodscenError):
-                known.add(make_llm(name, api_base=servers.get(name)).name)
-    if spare := [name for name in limits.prices if name not in known]:
+                names.add(make_llm(model, api_base=servers.get(model)).name)
+    if idle := [name for name in limits.prices if name not in names]:
         others = (
-            f"its models are {', '.join(sorted(known))}" if known else "it asks none with a price"
+            f"its models are {', '.join(sorted(names))}" if names else "it asks none with a price"
         )
         raise UsageError(
-            f"--price has no effect for {', '.join(spare)}, which is not asked: {others}"
+            f"--price has no effect for {', '.join(idle)}, which is not asked: {others}"
         )
 
 
@@ -176,7 +178,7 @@ out_option = click.option(
     type=OutputName(),
     help="File to write.  [default: standard output]",
 )
-extras_options = _options(
+extras_options = grouped_options(
     click.option(
         "--traces",
         is_flag=True,
@@ -193,7 +195,7 @@ extras_options = _options(
         help="Write videos/SCENE.mp4 from the ego's camera, from above, or both (the default without a value).",
     ),
 )
-red_options = _options(
+red_options = grouped_options(
     click.option(
         "--open-loop",
         is_flag=True,
@@ -237,7 +239,7 @@ red_options = _options(
         help=f"Number of times a leaf is broadened before it is split.  [default: {BROADENINGS}]",
     ),
 )
-picture_options = _options(
+picture_options = grouped_options(
     click.option(
         "--width",
         type=click.IntRange(64, 4096),
@@ -259,7 +261,7 @@ rear_view_option = click.option(
     default=None,
     help="Show the view from the rear window at the decision as well.  [default: --no-rear-view]",
 )
-judging_options = _options(
+judging_options = grouped_options(
     click.option(
         "--protocol",
         type=click.Choice(("ours", "paper")),
@@ -292,7 +294,7 @@ require_option = click.option(
     metavar="BARS",
     help='Grade the models, e.g. "safe>=0.9,needless<=0.05,notice>=0.8".',
 )
-limit_options = _options(
+limit_options = grouped_options(
     click.option(
         "--max-requests", type=click.IntRange(min=0), help="Maximum number of HTTP requests."
     ),
@@ -357,11 +359,11 @@ def limits_from(choices: dict[str, Any]) -> "Limits":
 
 
 def _prices(texts: Sequence[str]) -> "dict[str, Price]":
-    found: dict[str, Price] = {}
+    prices: dict[str, Price] = {}
     for model, price in map(_price, texts):
-        if found.setdefault(model, price) != price:
+        if prices.setdefault(model, price) != price:
             raise UsageError(f"--price gives {model!r} two prices; keep one")
-    return found
+    return prices
 
 
 def _price(text: str) -> "tuple[str, Price]":
@@ -369,11 +371,11 @@ def _price(text: str) -> "tuple[str, Price]":
 
     model, _, values = text.rpartition("=")
     try:
-        asked, answered = map(float, values.split(","))
+        input_usd, output_usd = map(float, values.split(","))
     except ValueError:
         model = ""
     if not model:
         raise UsageError(
             f"{text!r} is not a price; write MODEL=IN,OUT in USD per million tokens, e.g. gpt-4o=2.5,10"
         )
-    return model, check_price(model, Price(asked, answered))
+    return model, check_price(model, Price(input_usd, output_usd))

@@ -19,6 +19,7 @@ from oodscen.errors import DataError, Issue
 Row = TypeVar("Row", bound=Data)
 
 _LONGEST = 1_000
+"""Maximum length of a line of a message, in characters."""
 
 
 def say(text: str, *, err: bool = False) -> None:
@@ -95,13 +96,14 @@ def read_lines(kind: type[Row], path: Path) -> list[Row]:
                 rows.append(kind.parse(line))
             except DataError as error:
                 issues += [
-                    Issue(f"line {number}: {i.path}".rstrip(": "), i.message) for i in error.issues
+                    Issue(f"line {number}: {issue.path}".rstrip(": "), issue.message)
+                    for issue in error.issues
                 ]
     counts = Counter(getattr(row, "id", None) for row in rows)
     issues += [
-        Issue("id", f"{one!r} occurs more than once")
-        for one, count in counts.items()
-        if one is not None and count > 1
+        Issue("id", f"{row_id!r} occurs more than once")
+        for row_id, count in counts.items()
+        if row_id is not None and count > 1
     ]
     if not rows and not issues:
         issues.append(Issue("", f"holds no {kind.noun}"))

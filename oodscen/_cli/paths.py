@@ -26,12 +26,12 @@ class PathName(click.Path):
             pass  # Reported below, or by the code that makes the folder.
         except OSError as error:
             self.fail(f"{value!r}: {error.strerror}.", param, ctx)
-        found = super().convert(value, param, ctx)
-        if not self.file_okay and os.path.exists(found) and not os.path.isdir(found):
+        path = super().convert(value, param, ctx)
+        if not self.file_okay and os.path.exists(path) and not os.path.isdir(path):
             self.fail(f"{value!r} is not a folder.", param, ctx)
-        if self.exists and not (os.path.isfile(found) or os.path.isdir(found)):
+        if self.exists and not (os.path.isfile(path) or os.path.isdir(path)):
             self.fail(f"{self.name.title()} {value!r} is not a regular file.", param, ctx)
-        return found
+        return path
 
 
 class OutputName(PathName):
@@ -63,16 +63,17 @@ class FileCommand(click.Command):
             if isinstance(param.type, OutputName) and param.name and ctx.params[param.name]
         ]
         outputs = [(name, path) for name, path in outputs if not is_written_through(path)]
-        for (name, path), (other, its) in combinations(outputs, 2):
-            if _is_same(path, its):
-                raise UsageError(f"{name} and {other} name the same file: {its}")
+        for (name, path), (other_name, other_path) in combinations(outputs, 2):
+            if is_same_file(path, other_path):
+                raise UsageError(f"{name} and {other_name} name the same file: {other_path}")
         for name, path in outputs:
-            for other, its in self._inputs(ctx):
-                if _is_same(path, its):
-                    raise UsageError(f"{name} would replace a file that {other} reads: {its}")
-        if outputs:
-            for _, path in outputs:
-                refuse_own(path)
+            for input_name, input_path in self._inputs(ctx):
+                if is_same_file(path, input_path):
+                    raise UsageError(
+                        f"{name} would replace a file that {input_name} reads: {input_path}"
+                    )
+        for _, path in outputs:
+            refuse_own(path)
         return super().invoke(ctx)
 
     def _inputs(self, ctx: click.Context) -> Iterator[tuple[str, Path]]:
@@ -81,20 +82,19 @@ class FileCommand(click.Command):
             value = ctx.params.get(param.name or "")
             if isinstance(param.type, OutputName):
                 continue
-            for one in value if isinstance(value, tuple) else (value,):
-                whole = str(one)
-                below = whole.partition(":")[2]
-                for name in (whole, below, below.rpartition("#")[0]):
-                    if os.path.isfile(name):
-                        yield param.opts[-1], Path(name)
+            for text in map(str, value if isinstance(value, tuple) else (value,)):
+                after_kind = text.partition(":")[2]
+                for path in (text, after_kind, after_kind.rpartition("#")[0]):
+                    if os.path.isfile(path):
+                        yield param.opts[-1], Path(path)
 
 
-def _is_same(one: Path, other: Path) -> bool:
+def is_same_file(first: Path, second: Path) -> bool:
     """Return whether two paths lead to one file, which need not exist."""
     try:
-        return os.path.samefile(one, other)
+        return os.path.samefile(first, second)
     except OSError:
-        return os.path.realpath(one) == os.path.realpath(other)
+        return os.path.realpath(first) == os.path.realpath(second)
 
 
 READABLE = PathName(exists=True, dir_okay=False, path_type=Path)

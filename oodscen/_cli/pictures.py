@@ -39,12 +39,12 @@ def kitty(png: bytes, columns: int) -> str:
     """Return a PNG as commands of kitty's graphics protocol."""
     data = standard_b64encode(png).decode()
     parts = [data[start : start + _CHUNK] for start in range(0, len(data), _CHUNK)]
-    said = []
+    commands = []
     for number, part in enumerate(parts):
         more = int(number + 1 < len(parts))
         keys = f"a=T,f=100,c={columns},m={more}" if number == 0 else f"m={more}"
-        said.append(f"\x1b_G{keys};{part}\x1b\\")
-    return "".join(said)
+        commands.append(f"\x1b_G{keys};{part}\x1b\\")
+    return "".join(commands)
 
 
 def iterm(picture: bytes, columns: int) -> str:
@@ -62,8 +62,8 @@ def blocks(pixels: Pixels, columns: int) -> str:
     lines = []
     for row in range(rows):
         line = "".join(
-            f"\x1b[38;2;{a[0]};{a[1]};{a[2]}m\x1b[48;2;{b[0]};{b[1]};{b[2]}m▀"
-            for a, b in zip(small[2 * row].tolist(), small[2 * row + 1].tolist(), strict=True)
+            f"\x1b[38;2;{top[0]};{top[1]};{top[2]}m\x1b[48;2;{low[0]};{low[1]};{low[2]}m▀"
+            for top, low in zip(small[2 * row].tolist(), small[2 * row + 1].tolist(), strict=True)
         )
         lines.append(f"{line}\x1b[0m")
     return "\n".join(lines)
@@ -100,21 +100,21 @@ def _band(index: NDArray[np.int64]) -> str:
 def _runs(codes: list[int]) -> Iterator[str]:
     """Yield characters, runs of the same one as a count."""
     start = 0
-    for place in range(1, len(codes) + 1):
-        if place == len(codes) or codes[place] != codes[start]:
-            length, char = place - start, chr(codes[start])
+    for end in range(1, len(codes) + 1):
+        if end == len(codes) or codes[end] != codes[start]:
+            length, char = end - start, chr(codes[start])
             yield f"!{length}{char}" if length > 3 else char * length
-            start = place
+            start = end
 
 
 def _resized(pixels: Pixels, height: int, width: int) -> Pixels:
     """Return the picture in another size; every pixel is the mean of those that it covers."""
-    found = pixels.astype(np.float64)
+    means = pixels.astype(np.float64)
     for axis, size in enumerate((height, width)):
-        edges = np.linspace(0, found.shape[axis], size + 1)
-        first = np.minimum(edges[:-1].astype(np.int64), found.shape[axis] - 1)
+        edges = np.linspace(0, means.shape[axis], size + 1)
+        first = np.minimum(edges[:-1].astype(np.int64), means.shape[axis] - 1)
         last = np.maximum(np.ceil(edges[1:]).astype(np.int64), first + 1)
-        sums = np.insert(found.cumsum(axis=axis), 0, 0.0, axis=axis)
-        spans = (last - first).reshape([-1 if one == axis else 1 for one in range(3)])
-        found = (sums.take(last, axis) - sums.take(first, axis)) / spans
-    return np.rint(found).astype(np.uint8)
+        sums = np.insert(means.cumsum(axis=axis), 0, 0.0, axis=axis)
+        spans = (last - first).reshape([-1 if other == axis else 1 for other in range(3)])
+        means = (sums.take(last, axis) - sums.take(first, axis)) / spans
+    return np.rint(means).astype(np.uint8)

@@ -52,8 +52,8 @@ class KnownFacts(NamedTuple):
                 for name, episode in self.episodes.items()
                 if {name, scene_of(name)} & ids
             },
-            {name: one for name, one in self.stated.items() if name in ids},
-            {name: one for name, one in self.demands.items() if name in ids},
+            {name: claims for name, claims in self.stated.items() if name in ids},
+            {name: demand for name, demand in self.demands.items() if name in ids},
         )
 
     def demands_of(self, scene: Scene) -> list[Scene]:
@@ -64,7 +64,7 @@ class KnownFacts(NamedTuple):
         """Return the claims of a scene's text."""
         if scene.demand is not None:
             return list(scene.demand.claims)
-        return [Claim.parse(one) for one in self.stated.get(scene_of(scene.id), [])]
+        return [Claim.parse(claim) for claim in self.stated.get(scene_of(scene.id), [])]
 
     def __call__(self, scene: Scene) -> dict[str, str]:
         from oodscen.interchange._writing.properties import facts

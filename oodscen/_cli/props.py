@@ -8,14 +8,15 @@ import click
 
 from oodscen._cli.options import json_option, refuse_idle, simulator_option
 from oodscen._cli.output import say, write_bytes
-from oodscen._cli.paths import FileCommand, OutputName, PathName
+from oodscen._cli.paths import FileCommand, OutputName, PathName, is_same_file
 from oodscen._cli.progress import tracked
 from oodscen._members import using
 from oodscen.errors import MissingExtra, UsageError
 
 if TYPE_CHECKING:
-    from oodscen.data._catalogue import Asset
-    from oodscen.stages._making.looking import PropLook
+    from oodscen.data._catalogue import Catalogue
+    from oodscen.data._prop import Prop
+    from oodscen.stages._making.looking import PropLook, ShownProp
 
 
 @click.command(cls=FileCommand)
@@ -47,50 +48,75 @@ def props(
     by night; what could not be made is named on standard error. Without --captions it is for people or models who are
     to name what they see. The exit code is 1 if a thing is too small or too faint to be recognised.
     """
-    from oodscen._display import png
     from oodscen._registry import make_simulator
-    from oodscen.data._details import DetailKinds
-    from oodscen.stages._making.files import read_props
+    from oodscen.stages._making.files import Designs, read_props
     from oodscen.stages._making.looking import look_at, look_at_details
-    from oodscen.stages._making.sheet import sheet
 
     if (where is None) != details:
         raise click.UsageError("give WHERE, or --details without it")
     if out is None:
         refuse_idle("without --out, the file of the sheet", "captions")
-    found, unmade = read_props(where) if where is not None else ([], [])
-    with using(make_simulator(simulator)) as shown:
-        catalogue = shown.catalogue()
-        known = catalogue.with_made(found)
-        kinds = catalogue.details or DetailKinds()
-        views = look_at_details(shown) if details else look_at(found, shown)
-        count = len(kinds.poses) + len(kinds.parts) if details else len(found)
+    elif where is not None:
+        _refuse_design_file(out, where)
+    designs = Designs([], []) if where is None else read_props(where)
+    with using(make_simulator(simulator)) as adapter:
+        catalogue = adapter.catalogue()
+        count = _detail_count(catalogue) if details else len(designs.props)
         if details and not count:
             raise UsageError(f"{simulator} draws no poses and no states of parts")
-        seen = list(tracked(views, "props", count))
+        views = look_at_details(adapter) if details else look_at(designs.props, adapter)
+        shown = list(tracked(views, "props", count))
     if out is not None:
-        picture = png(sheet(seen, captions=captions))
-        if picture is None:
-            raise MissingExtra("a sheet of pictures", "pybullet", "cv2")
-        write_bytes(out, picture)
-    if unmade:
-        say(f"not shown, since no design was made: {', '.join(unmade)}", err=True)
-    looks = [shown_prop.look for shown_prop in seen]
+        _write_sheet(out, shown, captions=captions)
+    if designs.unmade:
+        say(f"not shown, since no design was made: {', '.join(designs.unmade)}", err=True)
+    looks = [shown_prop.look for shown_prop in shown]
     if as_json:
         say(json.dumps([look.model_dump(mode="json") for look in looks], indent=2))
     else:
-        sizes = {prop.id: (known.asset(prop.id), f"{prop.mass_kg:8g} kg") for prop in found}
+        catalogue = catalogue.with_made(designs.props)
+        by_id = {prop.id: prop for prop in designs.props}
         for look in looks:
-            say(_line(look, *sizes.get(look.id, (None, ""))))
+            say(_line(look, by_id.get(look.id), catalogue))
     if any(look.faults for look in looks):
         click.get_current_context().exit(1)
 
 
-def _line(look: "PropLook", asset: "Asset | None", mass: str) -> str:
+def _refuse_design_file(out: Path, where: Path) -> None:
+    """Refuse to write a sheet over a design of the folder that is shown."""
+    from oodscen.stages._making.files import design_files
+
+    if where.is_dir():
+        for file in design_files(where):
+            if is_same_file(out, file):
+                raise UsageError(f"--out would replace a file that WHERE reads: {file}")
+
+
+def _detail_count(catalogue: "Catalogue") -> int:
+    """Return the number of poses and of states of parts that the simulator draws."""
+    kinds = catalogue.details
+    return len(kinds.poses) + len(kinds.parts) if kinds else 0
+
+
+def _write_sheet(out: Path, shown: "list[ShownProp]", *, captions: bool) -> None:
+    from oodscen._display import png
+    from oodscen.stages._making.sheet import sheet
+
+    picture = png(sheet(shown, captions=captions))
+    if picture is None:
+        raise MissingExtra("a sheet of pictures", "pybullet", "cv2")
+    write_bytes(out, picture)
+
+
+def _line(look: "PropLook", prop: "Prop | None", catalogue: "Catalogue") -> str:
     """Return the line about one thing: its size and mass if it was made, and its pixels by day."""
     from oodscen.stages._making.looking import JUDGED_M
 
-    size = f"{asset.length:g} x {asset.width:g} x {asset.height:g} m" if asset else ""
-    day = next(v for v in look.views if v.distance_m == JUDGED_M and not v.is_night)
-    told = "; ".join(look.faults) or look.recognised
-    return f"{look.id:28} {size:22} {mass:11} {day.pixels:7,} px  {told}"
+    size = mass = ""
+    if prop is not None:
+        asset = catalogue.asset(prop.id)
+        size = f"{asset.length:g} x {asset.width:g} x {asset.height:g} m"
+        mass = f"{prop.mass_kg:8g} kg"
+    day = next(view for view in look.views if view.distance_m == JUDGED_M and not view.is_night)
+    judgement = "; ".join(look.faults) or look.recognised
+    return f"{look.id:28} {size:22} {mass:11} {day.pixels:7,} px  {judgement}"

@@ -117,13 +117,14 @@ def redteam(
         refuse_idle("with --open-loop", "encoder")
         refuse_idle_in_open_loop()
     grown = ScenarioTree.load(tree)
-    most = paper.ITERATIONS if budget is None else budget
+    if iterations is None:
+        iterations = paper.ITERATIONS if budget is None else budget
     ledger = Ledger()
-    asked: dict[str, Any] = {"seed": seed, "api_base": api_base, "log": ledger.add}
+    settings: dict[str, Any] = {"seed": seed, "api_base": api_base, "log": ledger.add}
     teamer = RedTeamer(
-        make_llm(llm, **asked),
-        make_llm(red_llm, **asked) if red_llm else None,
-        iterations=most if iterations is None else iterations,
+        make_llm(llm, **settings),
+        make_llm(red_llm, **settings) if red_llm else None,
+        iterations=iterations,
         closed_loop=not open_loop,
         encoder=None if open_loop else things_encoder(encoder),
         budget=budget,
@@ -131,21 +132,20 @@ def redteam(
             name.removeprefix("red_"): value for name, value in choices.items() if value is not None
         },
     )
-    played = []
-    for item in tracked(teamer.rounds(grown), "redteam", teamer.options.iterations, ledger):
-        grown = grown.apply(*item.edits)
-        played.append(item)
+    rounds = []
+    for red_round in tracked(teamer.rounds(grown), "redteam", iterations, ledger):
+        grown = grown.apply(*red_round.edits)
+        rounds.append(red_round)
     if log is not None:
-        write_lines(log, played)
-    found = saturation(played)
+        write_lines(log, rounds)
+    estimates = saturation(rounds)
+    stopped_by = teamer.stopped_by(rounds)
     if out is not None or not as_json:
         write(out, grown.to_json())
     if as_json:
-        said = {**found.model_dump(mode="json"), "stopped_by": teamer.stopped_by(played)}
-        say(canonical_json(said))
+        say(canonical_json({**estimates.model_dump(mode="json"), "stopped_by": stopped_by}))
     else:
-        words = rounds_in_words(found, teamer.stopped_by(played), closed=not open_loop)
-        say(words, err=True)
+        say(rounds_in_words(estimates, stopped_by, closed=not open_loop), err=True)
 
 
 @click.command(cls=FileCommand)
@@ -235,8 +235,8 @@ def describe(
             say(f"{leaf}: {error}", err=True)
     if failures and not scenarios:
         raise failures[-1]
-    again = {scenario.id: scenario for scenario in describer.reworded(scenarios)}
-    write_lines(out, [again.get(scenario.id, scenario) for scenario in scenarios])
+    reworded = {scenario.id: scenario for scenario in describer.reworded(scenarios)}
+    write_lines(out, [reworded.get(scenario.id, scenario) for scenario in scenarios])
     say(f"{len(scenarios)} texts, {len(failures)} of {len(paths)} paths failed", err=True)
     sys.exit(bool(failures))
 
@@ -355,9 +355,11 @@ def simulate(
         simulation = Simulation(store, job, items, workers=workers)
         episodes = [*tracked(simulation.run(), "simulate", len(items))]
         behind = [*tracked(simulation.run_behind(), "rear", len(items))] if rear_view else []
-    failed = {one.id: one.error for one in (*behind, *episodes) if one.status == "failed"}
-    for name, error in failed.items():
-        say(f"{name}: {error}", err=True)
+    failed = {
+        episode.id: episode.error for episode in (*behind, *episodes) if episode.status == "failed"
+    }
+    for episode_id, error in failed.items():
+        say(f"{episode_id}: {error}", err=True)
     unsure = sum(episode.status == "ok" and not episode.is_deterministic for episode in episodes)
     if unsure:
         say(f"{unsure} of the scenes do not repeat: none of their actions counts as safe", err=True)

@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from oodscen.data._verdict import Verdict
     from oodscen.judging._leaderboard.board import Leaderboard
     from oodscen.judging._leaderboard.requirements import RequirementResult
-    from oodscen.judging._leaderboard.rows import Estimate, Rate
+    from oodscen.judging._leaderboard.rows import Estimate, LeaderboardRow, Rate
     from oodscen.llm._accounting import Account, Ledger
     from oodscen.stages._redteam.saturation import Saturation
 
@@ -76,29 +76,8 @@ def _cacheable(rows: Sequence["Account"]) -> str:
 def standings(board: "Leaderboard") -> str:
     """Tabulate the results, one line per model and protocol, with the floor and ceiling references below."""
     head = ("", "notices, both", "acts, both", "safe", "false alarms", "names it", "incomplete")
-    rows = [head]
-    for standing in board.standings:
-        if standing.kind == "reference" and (
-            standing.protocol == "paper" or standing.model not in _BESIDE
-        ):
-            continue
-        safe = (
-            standing.control.safe
-            if standing.protocol == "ours"
-            else standing.control.collision_free
-        )
-        rows.append(
-            (
-                standing.model + (" (paper)" if standing.protocol == "paper" else ""),
-                _share(standing.paired.notice),
-                _share(standing.paired.act),
-                _share(safe),
-                _share(standing.detection.alarms),
-                _share(standing.identification.open),
-                f"{standing.asked - standing.outcomes.get('answered', 0) - standing.outcomes.get('unavailable', 0)} of {standing.asked}",
-            )
-        )
-    widths = [max(len(row[place]) for row in rows) for place in range(len(head))]
+    rows = [head, *(_cells(row) for row in board.standings if _is_listed(row))]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
     chance = "" if board.chance is None else f"; a random action is safe in {board.chance:.0%}"
     return "\n".join(
@@ -106,24 +85,51 @@ def standings(board: "Leaderboard") -> str:
     )
 
 
-def graded(found: "Sequence[RequirementResult]") -> str:
+def _is_listed(row: "LeaderboardRow") -> bool:
+    """Return whether a row is a model's, or one of the references to compare it with."""
+    if row.kind != "reference":
+        return True
+    return row.protocol != "paper" and row.model in _LISTED_REFERENCES
+
+
+def _cells(row: "LeaderboardRow") -> tuple[str, ...]:
+    is_ours = row.protocol == "ours"
+    complete = row.outcomes.get("answered", 0) + row.outcomes.get("unavailable", 0)
+    return (
+        f"{row.model} (paper)" if row.protocol == "paper" else row.model,
+        _share(row.paired.notice),
+        _share(row.paired.act),
+        _share(row.control.safe if is_ours else row.control.collision_free),
+        _share(row.detection.alarms),
+        _share(row.identification.open),
+        f"{row.asked - complete} of {row.asked}",
+    )
+
+
+def graded(grades: "Sequence[RequirementResult]") -> str:
     """List the grade of every model against a requirement."""
-    return "\n".join(map(str, found)) or "no model was judged, so none can meet the requirement"
+    return "\n".join(map(str, grades)) or "no model was judged, so none can meet the requirement"
 
 
 def exit_code(grades: Sequence["RequirementResult"]) -> int:
     """Return 0 if all models meet, 4 if one fails, and 5 if that is unknown or there is no model."""
-    found = {grade.grade for grade in grades}
-    return 4 if "fails" in found else 0 if found == {"meets"} else 5
+    outcomes = {grade.grade for grade in grades}
+    if "fails" in outcomes:
+        return 4
+    return 0 if outcomes == {"meets"} else 5
 
 
 def _notes(board: "Leaderboard") -> list[str]:
     """State what "both" means, who scored the open aspects, and in how many of the paper's items the hazard is visible."""
     notes = ["both: right about the scene and about every ordinary drive that goes with it"]
     for row in board.standings:
-        gains = [one for one in row.paired.over_withheld if one.difference.value is not None]
-        told = [f"{_points(gain.difference)} {_FIGURES[gain.figure]}" for gain in gains]
-        notes += [f"{row.model} over itself without pictures: {', '.join(told)}"] if told else []
+        gains = [
+            f"{_points(gain.difference)} {_FIGURES[gain.figure]}"
+            for gain in row.paired.over_withheld
+            if gain.difference.value is not None
+        ]
+        if gains:
+            notes.append(f"{row.model} over itself without pictures: {', '.join(gains)}")
     if board.judge:
         unjudged = sum(row.identification.unjudged for row in board.standings)
         rest = (
@@ -141,13 +147,13 @@ def _notes(board: "Leaderboard") -> list[str]:
 
 def left_out(verdicts: "Sequence[Verdict]") -> list[str]:
     """State, one line per model and cause, how many items have no whole answer, and how to ask again."""
-    found: dict[tuple[str, str], list[Verdict]] = {}
+    groups: dict[tuple[str, str], list[Verdict]] = {}
     for verdict in verdicts:
         if verdict.outcome in _INCOMPLETE:
-            found.setdefault((verdict.model, verdict.outcome), []).append(verdict)
+            groups.setdefault((verdict.model, verdict.outcome), []).append(verdict)
     return [
-        f"{model}: {len(rows)} items {_INCOMPLETE[outcome].format(error=rows[0].error, model=model)}"
-        for (model, outcome), rows in found.items()
+        f"{model}: {len(group)} items {_INCOMPLETE[outcome].format(error=group[0].error, model=model)}"
+        for (model, outcome), group in groups.items()
     ]
 
 
@@ -163,10 +169,11 @@ def kept_verdicts(vlms: Iterable[str], ledger: "Ledger", asked_at: Mapping[str, 
     for vlm in dict.fromkeys(vlms):
         name, count = ledger.kept_verdicts.get(vlm, ("", 0))
         if count:
-            when = asked_at.get(name, "").replace("T", " ").replace("+00:00", " UTC")
+            time = asked_at.get(name, "").replace("T", " ").replace("+00:00", " UTC")
+            last_asked = f", last asked {time}" if time else ""
             lines.append(
-                f"{vlm}: {count} verdicts are kept as they were{f', last asked {when}' if when else ''}, whatever has "
-                f"changed in the model since; to ask again, add --drop {vlm} --retry-failed"
+                f"{vlm}: {count} verdicts are kept as they were{last_asked}, whatever has changed in the model since; "
+                f"to ask again, add --drop {vlm} --retry-failed"
             )
     return lines
 
@@ -183,34 +190,39 @@ _INCOMPLETE = {
 _FIGURES = {"notice": "noticing (both halves)", "act": "acting (both halves)"}
 
 
-def _points(found: "Estimate") -> str:
-    """Return a difference of shares in points, with its interval."""
-    between = found.interval
-    spread = f" [{100 * between.low:+.0f}, {100 * between.high:+.0f}]" if between else ""
-    return f"{100 * (found.value or 0.0):+.0f}{spread} points in"
-
-
-_BESIDE = (
-    *(f"constant:{action}" for action in ("stop", "emergency_brake", "keep_speed")),
+_LISTED_REFERENCES = (
+    "constant:stop",
+    "constant:emergency_brake",
+    "constant:keep_speed",
     "random",
     "blind",
     "novelty",
     "oracle",
 )
+"""References that are listed beside the models."""
 
 
-def _share(found: "Rate | Estimate") -> str:
-    if found.value is None:
+def _points(difference: "Estimate") -> str:
+    """Return a difference of shares in points, with its interval."""
+    interval = difference.interval
+    spread = f" [{100 * interval.low:+.0f}, {100 * interval.high:+.0f}]" if interval else ""
+    return f"{100 * (difference.value or 0.0):+.0f}{spread} points in"
+
+
+def _share(share: "Rate | Estimate") -> str:
+    if share.value is None:
         return "-"
-    between = found.interval
-    return f"{found.value:.0%}" + (f" [{between.low:.0%}, {between.high:.0%}]" if between else "")
+    interval = share.interval
+    return f"{share.value:.0%}" + (
+        f" [{interval.low:.0%}, {interval.high:.0%}]" if interval else ""
+    )
 
 
-def rounds_in_words(found: "Saturation", stop: str | None, *, closed: bool = False) -> str:
+def rounds_in_words(saturation: "Saturation", stop: str | None, *, closed: bool = False) -> str:
     """Summarise the results of red teaming, and how much it has left to find, in a few lines.
 
     Args:
-        found: The saturation of its rounds.
+        saturation: The saturation of its rounds.
         stop: The rule that ended it.
         closed: True if the loop was closed, in which case the estimates are biased.
     """
@@ -220,13 +232,13 @@ def rounds_in_words(found: "Saturation", stop: str | None, *, closed: bool = Fal
         "patience": "nothing new came for too long",
         "coverage": "the coverage is reached",
     }
-    last = f"the last in round {found.last_new}" if found.kinds else "none"
+    last = f"the last in round {saturation.last_new}" if saturation.kinds else "none"
     lines = [
-        f"{found.rounds} rounds, {found.calls} model calls; {rule.get(stop or '', 'stopped')}",
-        f"{found.kinds} new kinds, {last}; of the last {found.recent_rounds} rounds {found.recent:.0%} "
-        f"brought one [{found.recent_low:.0%}, {found.recent_high:.0%}]",
-        f"Good-Turing coverage {found.coverage:.2f} [{found.coverage_low:.2f}, {found.coverage_high:.2f}]; "
-        f"unseen kinds (Chao1) about {found.unseen:.0f} [{found.unseen_low:.0f}, {found.unseen_high:.0f}]",
+        f"{saturation.rounds} rounds, {saturation.calls} model calls; {rule.get(stop or '', 'stopped')}",
+        f"{saturation.kinds} new kinds, {last}; of the last {saturation.recent_rounds} rounds {saturation.recent:.0%} "
+        f"brought one [{saturation.recent_low:.0%}, {saturation.recent_high:.0%}]",
+        f"Good-Turing coverage {saturation.coverage:.2f} [{saturation.coverage_low:.2f}, {saturation.coverage_high:.2f}]; "
+        f"unseen kinds (Chao1) about {saturation.unseen:.0f} [{saturation.unseen_low:.0f}, {saturation.unseen_high:.0f}]",
     ]
     if closed:
         lines.append(

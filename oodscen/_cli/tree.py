@@ -8,17 +8,16 @@ import click
 
 from oodscen._cli.groups import CommandGroup
 from oodscen._cli.numbers import FiniteRange
-from oodscen._cli.options import json_option, out_option, refuse_idle
+from oodscen._cli.options import grouped_options, json_option, out_option, refuse_idle
 from oodscen._cli.output import say, write
 from oodscen._cli.paths import FileCommand, PathName
 from oodscen._study_files import TREES
 from oodscen._text import one_line
 from oodscen.errors import DataError, Issue, UsageError
-from oodscen.tree._scenario_tree import ScenarioTree
+from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 
 if TYPE_CHECKING:
     from oodscen.interchange._tags import TagCoverage
-    from oodscen.protocols import Encoder
     from oodscen.study._study import Study
     from oodscen.tree._coverage import Coverage
 
@@ -32,17 +31,17 @@ _which_option = click.option(
 )
 
 
-def _encoder_options(command: Any) -> Any:
-    threshold = click.option(
+_encoder_options = grouped_options(
+    click.option(
+        "--encoder",
+        help="Also match nodes by meaning with this text encoder, e.g. minilm; otherwise by id and label only.",
+    ),
+    click.option(
         "--threshold",
         type=FiniteRange(-1.0, 1.0),
         help="Minimum centred cosine of labels with the same meaning, for --encoder.",
-    )
-    encoder = click.option(
-        "--encoder",
-        help="Also match nodes by meaning with this text encoder, e.g. minilm; otherwise by id and label only.",
-    )
-    return encoder(threshold(command))
+    ),
+)
 
 
 @click.group(cls=CommandGroup)
@@ -64,12 +63,12 @@ def show(place: Path, node_id: str | None, ids: bool, which: str, as_json: bool)
     """Print a tree, or the provenance of one node."""
     if as_json or node_id is not None:
         refuse_idle("with --json" if as_json else "with --node", "ids")
-    (found,) = _read(which, place)
+    (scenario_tree,) = _read(which, place)
     if node_id is not None:
-        history = found.provenance(node_id)
+        history = scenario_tree.provenance(node_id)
         say(history.model_dump_json(indent=2) if as_json else str(history))
     else:
-        say(found.to_json() if as_json else found.outline(ids=ids))
+        say(scenario_tree.to_json() if as_json else scenario_tree.outline(ids=ids))
 
 
 @tree.command()
@@ -95,14 +94,11 @@ def diff(
 
     if as_json:
         refuse_idle("with --json", "mermaid")
-    tree_diff = compare(*_read(which, one, other), **_meaning(encoder, threshold))
-    say(
-        tree_diff.model_dump_json(indent=2)
-        if as_json
-        else tree_diff.to_mermaid()
-        if mermaid
-        else str(tree_diff)
-    )
+    tree_diff = compare(*_read(which, one, other), **_matching(encoder, threshold))
+    if as_json:
+        say(tree_diff.model_dump_json(indent=2))
+    else:
+        say(tree_diff.to_mermaid() if mermaid else str(tree_diff))
     if exit_code and not tree_diff.is_empty:
         click.get_current_context().exit(1)
 
@@ -124,10 +120,10 @@ def merge(
     out: Path | None,
 ) -> None:
     """Merge the nodes that only the tree OTHER has into the tree ONE."""
-    from oodscen.tree._merge import merge as merged
+    from oodscen.tree._merge import merge as merge_trees
 
-    found = merged(*_read(which, one, other), name=name, **_meaning(encoder, threshold))
-    write(out, found.to_json())
+    merged = merge_trees(*_read(which, one, other), name=name, **_matching(encoder, threshold))
+    write(out, merged.to_json())
 
 
 @tree.command()
@@ -154,10 +150,10 @@ def coverage(folder: Path, which: str, exit_code: bool, odd: bool, as_json: bool
     from oodscen.tree._coverage import study_coverage
 
     study = Study.open(folder)
-    found: Coverage | TagCoverage
-    found = _tag_coverage(study, which) if odd else study_coverage(study, which)
-    say(found.model_dump_json(indent=2) if as_json else str(found))
-    if exit_code and found.has_gaps:
+    counts: Coverage | TagCoverage
+    counts = _tag_coverage(study, which) if odd else study_coverage(study, which)
+    say(counts.model_dump_json(indent=2) if as_json else str(counts))
+    if exit_code and counts.has_gaps:
         click.get_current_context().exit(1)
 
 
@@ -186,15 +182,15 @@ def _tag_coverage(study: "Study", which: str) -> "TagCoverage":
 @out_option
 def export(place: Path, form: str, which: str, out: Path | None) -> None:
     """Export a tree for another tool."""
-    (found,) = _read(which, place)
-    makers = {
+    (scenario_tree,) = _read(which, place)
+    writers = {
         "mermaid": ScenarioTree.to_mermaid,
         "dot": ScenarioTree.to_dot,
         "json": ScenarioTree.to_json,
         "nested": ScenarioTree.to_nested_json,
         "html": ScenarioTree.to_page,
     }
-    write(out, makers[form](found))
+    write(out, writers[form](scenario_tree))
 
 
 @tree.command(cls=FileCommand)
@@ -219,44 +215,61 @@ def replay(
     out: Path | None,
 ) -> None:
     """Print the edit log of a tree up to a given point, or with --out write the tree at that point."""
-    from oodscen.tree._history import replay as played
+    from oodscen.tree._history import replay as replayed
 
     if out is not None:
         refuse_idle("with --out, which writes a tree", "as_json")
-    (found,) = _read(which, place)
+    (scenario_tree,) = _read(which, place)
     if (edit, round_, stage) != (None, None, None):
-        last = max((step.round for step in found.edits if step.round is not None), default=0)
-        found = found.at(edit=edit, round=round_, stage=stage)
-        if round_ is not None and round_ > last:
-            # The log knows no rounds without edits, so this one may have been played.
-            say(
-                f"no edit is of round {round_} or a later one: the last is of round {last}",
-                err=True,
-            )
+        earlier = scenario_tree.at(edit=edit, round=round_, stage=stage)
+        if round_ is not None:
+            _tell_late_round(round_, scenario_tree)
+        scenario_tree = earlier
     for index in undo:
-        before, found = found, found.undo(index)
-        if len(before) and not len(found):
-            raise UsageError(
-                f"edit {index} added the root: without it no node of the tree would be left, so it is not undone"
-            )
+        scenario_tree = _undone(scenario_tree, index)
     if out is not None:
-        write(out, found.to_json())
+        write(out, scenario_tree.to_json())
         return
-    for index, (step, after) in enumerate(played(found)):
+    for index, (step, after) in enumerate(replayed(scenario_tree)):
         if as_json:
             row = {"index": index, "nodes": len(after), **step.model_dump(exclude_defaults=True)}
             say(json.dumps(row, ensure_ascii=False))
         else:
-            who = ", ".join(
-                filter(None, (step.stage, f"round {step.round}" if step.round is not None else ""))
-            )
-            who = one_line(who)
-            label = f": {step.label}" if step.label else ""
-            below = f" below {step.parent}" if step.parent else ""
-            say(
-                f"{index:6}  {len(after):6} nodes  {step.op:8}{step.node}{below}{label}"
-                f"{f'  ({who})' if who else ''}"
-            )
+            say(_edit_line(index, step, len(after)))
+
+
+def _tell_late_round(number: int, scenario_tree: ScenarioTree) -> None:
+    """Say that no edit is of a round or a later one: the round may have been played without an edit."""
+    rounds = (edit.round for edit in scenario_tree.edits if edit.round is not None)
+    last = max(rounds, default=0)
+    if number > last:
+        say(f"no edit is of round {number} or a later one: the last is of round {last}", err=True)
+
+
+def _undone(scenario_tree: ScenarioTree, index: int) -> ScenarioTree:
+    """Return the tree without an edit.
+
+    Raises:
+        UsageError: If no node would be left.
+    """
+    undone = scenario_tree.undo(index)
+    if len(scenario_tree) and not len(undone):
+        raise UsageError(
+            f"edit {index} added the root: without it no node of the tree would be left, so it is not undone"
+        )
+    return undone
+
+
+def _edit_line(index: int, edit: TreeEdit, node_count: int) -> str:
+    """Return the line about an edit, with the number of nodes after it."""
+    label = f": {edit.label}" if edit.label else ""
+    parent = f" below {edit.parent}" if edit.parent else ""
+    origin = [edit.stage] if edit.stage else []
+    if edit.round is not None:
+        origin.append(f"round {edit.round}")
+    source = one_line(", ".join(origin))
+    line = f"{index:6}  {node_count:6} nodes  {edit.op:8}{edit.node}{parent}{label}"
+    return f"{line}  ({source})" if source else line
 
 
 def _read(which: str, *places: Path) -> list[ScenarioTree]:
@@ -282,11 +295,14 @@ def _read_one(place: Path, which: str) -> ScenarioTree:
     return ScenarioTree.load(place)
 
 
-def _meaning(encoder: str | None, threshold: float | None) -> dict[str, Any]:
+def _matching(encoder: str | None, threshold: float | None) -> dict[str, Any]:
+    """Return the arguments by which nodes are matched by meaning."""
     from oodscen._registry import make_encoder
     from oodscen.tree._matching import THRESHOLD
 
     if encoder is None:
         refuse_idle("without --encoder", "threshold")
-    made: Encoder | None = make_encoder(encoder) if encoder is not None else None
-    return {"encoder": made, "threshold": THRESHOLD if threshold is None else threshold}
+    return {
+        "encoder": None if encoder is None else make_encoder(encoder),
+        "threshold": THRESHOLD if threshold is None else threshold,
+    }

@@ -23,16 +23,27 @@ def add_answers(study: Study, files: Sequence[Path]) -> tuple[str, ...]:
         DataError: When a file holds no answers to a quiz, or not to this study's.
         UsageError: When two files are of one name.
     """
+    answers = read_answers(study, files)
+    if answers:
+        others = [line for line in study.store.lines(PEOPLE) if as_name(line["id"]) not in answers]
+        study.store.write_lines(PEOPLE, [*others, *answers.values()])
+    return tuple(answers)
+
+
+def read_answers(study: Study, files: Sequence[Path]) -> dict[str, QuizAnswers]:
+    """Return the answers of files to a study's quiz, by the names of the people.
+
+    Raises:
+        DataError: When a file holds no answers to a quiz, or not to this study's.
+        UsageError: When two files are of one name.
+    """
     answers: dict[str, QuizAnswers] = {}
     for file in files:
         quiz = _read(study, file)
         if quiz.id in answers:
             raise UsageError(f"{file} holds answers of {quiz.id!r}, as does another file; give one")
         answers[quiz.id] = quiz
-    if answers:
-        others = [line for line in study.store.lines(PEOPLE) if as_name(line["id"]) not in answers]
-        study.store.write_lines(PEOPLE, [*others, *answers.values()])
-    return tuple(answers)
+    return answers
 
 
 def _read(study: Study, file: Path) -> QuizAnswers:

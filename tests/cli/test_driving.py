@@ -189,3 +189,12 @@ def test_a_stack_may_change_the_working_folder_and_leave_a_thread(with_stack, tm
     assert found.exit_code == 0
     assert (tmp_path / "out" / "drives.jsonl").is_file()
     assert list((tmp_path / "elsewhere").iterdir()) == []
+
+
+def test_a_driver_that_is_named_twice_drives_once(with_stack, tmp_path) -> None:
+    with_stack("stack_twice", STACK)
+    names = ["--driver", "stack_twice:make"] * 2
+    found = CliRunner().invoke(main, ["drive", "out", *names, "--workers", "0"])
+    assert found.exit_code == 0
+    assert found.stderr.count("a stack talks") == 2  # One in the scene, one in its twin.
+    assert "drive: 1 in " in found.stderr

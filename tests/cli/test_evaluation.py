@@ -136,6 +136,15 @@ def test_a_model_is_dropped_without_asking_anybody_and_others_can_be_judged_at_o
     assert invoke("evaluate", study).exit_code == 2
 
 
+def test_a_command_that_is_refused_takes_no_model_out(study, tmp_path) -> None:
+    judged(study, "bad")
+    before = (study / "verdicts.jsonl").read_bytes()
+    (tmp_path / "answers.json").write_text("not JSON")
+    refused = invoke("evaluate", study, "--drop", "bad", "--answers", tmp_path / "answers.json")
+    assert (refused.exit_code, "malformed answers" in refused.output) == (2, True)
+    assert (study / "verdicts.jsonl").read_bytes() == before
+
+
 OWN = """
 import json
 from oodscen.protocols import Completion

@@ -47,3 +47,12 @@ def test_designs_or_details_are_shown_and_only_those_that_there_are(order):
     shown = invoke(*order)
     assert shown.exit_code == 2
     assert "Traceback" not in shown.output
+
+
+@pytest.mark.parametrize("name", ["wall.json", "assets.jsonl"])
+def test_a_sheet_replaces_no_design_that_it_shows(name, tmp_path):
+    file = tmp_path / name
+    file.write_text(json.dumps(WALL))
+    refused = invoke(tmp_path, "-o", file)
+    assert (refused.exit_code, refused.output.count("\n")) == (2, 1)
+    assert json.loads(file.read_text()) == WALL

@@ -111,8 +111,9 @@ def test_a_picture_comes_first_where_it_is_asked_for(graphics, start, made):
     ("order", "words"),
     [
         (("exammple",), "did you mean example-001"),
-        (("ex",), "2 scenes start with 'ex'"),
-        (("example-001~demand",), "unknown ordinary drive"),
+        (("ex",), "2 scenes start with 'ex': example-001, exact-002\n"),
+        (("",), "unknown scene ''"),
+        (("example-001~demand",), "unknown ordinary drive 'example-001~demand'\n"),
         (("example-001", "--moment", "lst"), "did you mean last"),
     ],
 )
@@ -128,3 +129,21 @@ def test_a_frame_outside_the_study_is_refused(made, tmp_path):
     file = folder / "episodes.jsonl"
     file.write_text(file.read_text().replace("frames/last.png", "../secret.png"))
     assert "secret" not in invoke(folder, "example-001", "--graphics", "iterm").stdout
+
+
+@pytest.mark.parametrize("content", [b"", b"no picture"])
+def test_a_frame_that_cannot_be_read_leaves_the_words(content, made, tmp_path):
+    folder = shutil.copytree(made, tmp_path / "study")
+    (folder / "frames" / "last.png").write_bytes(content)
+    shown = invoke(folder, "example-001", "--graphics", "blocks")
+    assert shown.exit_code == 0, shown.output
+    assert shown.stdout == invoke(made, "example-001").stdout.replace(str(made), str(folder))
+    assert "last.png cannot be read" in shown.stderr
+
+
+def test_an_ambiguous_name_lists_five_scenes(made, tmp_path):
+    folder = shutil.copytree(made, tmp_path / "study")
+    scenes = [example_scene().model_copy(update={"id": f"s{number}"}) for number in range(6)]
+    lines = "".join(scene.to_json() + "\n" for scene in scenes)
+    (folder / "scenes.jsonl").write_text(lines)
+    assert "start with 's': s0, s1, s2, s3, s4 ...\n" in invoke(folder, "s").stderr

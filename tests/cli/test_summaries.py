@@ -1,4 +1,8 @@
-from oodscen._cli.summaries import kept_verdicts, left_out
+from types import SimpleNamespace
+
+import pytest
+
+from oodscen._cli.summaries import exit_code, kept_verdicts, left_out
 from oodscen.data._verdict import Verdict
 from oodscen.llm._accounting import Ledger
 
@@ -29,3 +33,18 @@ def test_a_model_named_twice_is_told_once() -> None:
     once = kept_verdicts(("mm", "other"), ledger, {})
     assert len(once) == 2
     assert kept_verdicts(("mm", "other", "mm"), ledger, {}) == once
+
+
+@pytest.mark.parametrize(
+    ("grades", "code"),
+    [
+        (["meets"], 0),
+        (["meets", "meets"], 0),
+        (["meets", "fails"], 4),
+        (["fails", "unknown"], 4),
+        (["meets", "unknown"], 5),
+        ([], 5),
+    ],
+)
+def test_a_failure_outweighs_doubt_and_doubt_outweighs_success(grades, code) -> None:
+    assert exit_code([SimpleNamespace(grade=grade) for grade in grades]) == code

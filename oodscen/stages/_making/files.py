@@ -83,7 +83,7 @@ def _placed(place: str, issue: Issue) -> Issue:
 
 def _entries(path: Path) -> Iterator[_Entry]:
     if path.is_dir():
-        for file in _files(path):
+        for file in design_files(path):
             yield from _entries(file)
         return
     source, text = str(path), read_utf8(path, Prop.noun)
@@ -98,13 +98,13 @@ def _entries(path: Path) -> Iterator[_Entry]:
         yield _Entry(source, text)
 
 
-def _files(folder: Path) -> list[Path]:
+def design_files(folder: Path) -> list[Path]:
     """Return the file of a study that holds its designs, or all files of another folder."""
     for name in _STUDY_TABLES:
         if (folder / name).is_file():
             return [folder / name]
     kinds = (".json", ".jsonl", ".toml")
-    return sorted(one for one in folder.iterdir() if one.suffix in kinds and one.is_file())
+    return sorted(file for file in folder.iterdir() if file.suffix in kinds and file.is_file())
 
 
 def _tables(source: str, text: str) -> Iterator[_Entry]:
