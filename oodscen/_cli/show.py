@@ -4,9 +4,9 @@ import json
 import os
 import shutil
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
@@ -16,7 +16,7 @@ from oodscen._cli.paths import PathName
 from oodscen._cli.pictures import GRAPHICS, blocks, graphics_of, iterm, kitty, sixel
 from oodscen._text import one_line
 from oodscen.data._episode import ACTIONS, in_order
-from oodscen.data._pairing import kind_of, scene_of
+from oodscen.data._pairing import Kind, is_ordinary, kind_of, scene_of
 from oodscen.errors import UnknownComponent, UsageError
 
 if TYPE_CHECKING:
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 _WIDEST = 80
 """Maximum width of a picture, in columns of the terminal."""
+_LISTED = 5
+"""Maximum number of scenes that are listed if several start with a name."""
 
 
 @click.command()
@@ -52,65 +54,100 @@ def show(out: Path, scene: str | None, moment: str | None, graphics: str, as_jso
     if scene is None or as_json:
         refuse_idle("without a scene" if scene is None else "with --json", "moment", "graphics")
     study = Study.open(out)
-    texts = {scenario.id: scenario for scenario in study.scenarios}
-    scenes = study.scenes
+    scenarios = {scenario.id: scenario for scenario in study.scenarios}
     if scene is None:
-        rows = [(one.id, one_line(texts[one.id].text) if one.id in texts else "") for one in scenes]
-        if as_json:
-            say(json.dumps([{"id": name, "text": text} for name, text in rows], indent=2))
-        else:
-            say("\n".join(f"{name}  {text}" for name, text in rows) or "the study has no scenes")
+        _list_scenes(study.scenes, scenarios, as_json=as_json)
         return
-    chosen = _chosen(scene, scenes)
-    item = chosen.id + scene[len(scene_of(scene)) :]
-    episode = next((one for one in study.episodes if one.scene_id == item), None)
-    if episode is None and kind_of(item) != "rare":
-        raise UnknownComponent("ordinary drive", item, [one.scene_id for one in study.episodes])
-    known = texts.get(chosen.id)
+    drive = _drive(scene, study, scenarios)
     if as_json:
-        found = {"scene": chosen, "scenario": known, "episode": episode}
-        shown = {name: one and one.model_dump(mode="json") for name, one in found.items()}
-        say(json.dumps(shown, indent=2, ensure_ascii=False))
+        say(drive.to_json())
         return
-    if episode is None or not episode.frames:
-        refuse_idle(f"on {item}, which has no frames", "moment")
-    file = _frame(study, episode, moment)
-    if file is not None:
-        _show_picture(file, graphics)
-    say("\n".join(_words(item, chosen, known, episode, file)))
+    if not drive.frames:
+        refuse_idle(f"on {drive.item_id}, which has no frames", "moment")
+    frame = _frame(study, drive, moment)
+    if frame is not None:
+        _show_picture(frame, graphics)
+    say("\n".join(_lines(drive, frame)))
 
 
-def _chosen(name: str, scenes: "list[Scene]") -> "Scene":
-    """Return the scene with an id that is, or starts with, a name.
+def _list_scenes(
+    scenes: "Iterable[Scene]", scenarios: "Mapping[str, Scenario]", *, as_json: bool
+) -> None:
+    texts = {
+        scene.id: one_line(scenarios[scene.id].text) if scene.id in scenarios else ""
+        for scene in scenes
+    }
+    if as_json:
+        rows = [{"id": scene_id, "text": text} for scene_id, text in texts.items()]
+        say(json.dumps(rows, indent=2))
+    elif texts:
+        say("\n".join(f"{scene_id}  {text}" for scene_id, text in texts.items()))
+    else:
+        say("the study has no scenes")
+
+
+class _Drive(NamedTuple):
+    """A scene or one of its ordinary drives, and what the study holds of it."""
+
+    item_id: str
+    scene: "Scene"
+    scenario: "Scenario | None"
+    episode: "Episode | None"
+
+    @property
+    def frames(self) -> dict[str, str]:
+        """The files of the frames by moment; empty if there are none."""
+        return self.episode.frames if self.episode else {}
+
+    def to_json(self) -> str:
+        """Return the parts as one object; a part that is missing is null."""
+        parts = {"scene": self.scene, "scenario": self.scenario, "episode": self.episode}
+        rows = {name: part and part.model_dump(mode="json") for name, part in parts.items()}
+        return json.dumps(rows, indent=2, ensure_ascii=False)
+
+
+def _drive(name: str, study: "Study", scenarios: "Mapping[str, Scenario]") -> _Drive:
+    """Return the drive of a name, whose scene may be abbreviated.
 
     Raises:
-        UsageError: If several scenes start with it.
-        UnknownComponent: If none does, with close matches.
+        UsageError: If several scenes start with the name.
+        UnknownComponent: If there is no such scene or ordinary drive, with close matches.
     """
-    wanted = scene_of(name)
-    found = [scene for scene in scenes if scene.id == wanted]
-    found = found or [scene for scene in scenes if wanted and scene.id.startswith(wanted)]
-    if not found:
-        raise UnknownComponent("scene", wanted[:200], [scene.id for scene in scenes])
-    if len(found) > 1:
-        raise UsageError(
-            f"{len(found)} scenes start with {wanted!r}: {', '.join(one.id for one in found[:5])} ..."
-        )
-    return found[0]
+    scene = _scene(scene_of(name), study.scenes)
+    item_id = scene.id + name.removeprefix(scene_of(name))
+    episodes = {episode.scene_id: episode for episode in study.episodes}
+    if is_ordinary(item_id) and item_id not in episodes:
+        raise UnknownComponent("ordinary drive", item_id, filter(is_ordinary, episodes))
+    return _Drive(item_id, scene, scenarios.get(scene.id), episodes.get(item_id))
 
 
-def _frame(study: "Study", episode: "Episode | None", moment: str | None) -> Path | None:
-    """Return the file of a frame, or `None` if the episode has none.
+def _scene(name: str, scenes: "Sequence[Scene]") -> "Scene":
+    """Return the scene with an id that is, or starts with, a name."""
+    by_id = {scene.id: scene for scene in scenes}
+    if name in by_id:
+        return by_id[name]
+    matches = [scene_id for scene_id in by_id if name and scene_id.startswith(name)]
+    if not matches:
+        raise UnknownComponent("scene", name[:200], by_id)
+    if len(matches) > 1:
+        rest = " ..." if len(matches) > _LISTED else ""
+        listed = ", ".join(matches[:_LISTED])
+        raise UsageError(f"{len(matches)} scenes start with {name!r}: {listed}{rest}")
+    return by_id[matches[0]]
+
+
+def _frame(study: "Study", drive: _Drive, moment: str | None) -> Path | None:
+    """Return the file of a frame, or `None` if there is none.
 
     Raises:
-        UnknownComponent: If the episode has frames, but none of that moment.
+        UnknownComponent: If the drive has frames, but none of that moment.
     """
-    if episode is None or not episode.frames:
+    if not drive.frames:
         return None
-    name = moment or in_order(episode.frames)[-1]
-    if name not in episode.frames:
-        raise UnknownComponent("moment", name, episode.frames)
-    file = study.store.inside(episode.frames[name])
+    name = moment or in_order(drive.frames)[-1]
+    if name not in drive.frames:
+        raise UnknownComponent("moment", name, drive.frames)
+    file = study.store.inside(drive.frames[name])
     return file if file.is_file() else None
 
 
@@ -131,7 +168,8 @@ def _show_picture(file: Path, graphics: str) -> None:
     except ImportError:
         say("no picture: pip install 'oodscen[pybullet]'", err=True)
         return
-    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
+    # OpenCV raises an error of its own for a file without a byte.
+    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR) if data else None
     if image is None:
         say(f"no picture: {file} cannot be read", err=True)
     elif graphics == "kitty":
@@ -142,50 +180,56 @@ def _show_picture(file: Path, graphics: str) -> None:
         click.echo(shown, color=True)
 
 
-def _words(
-    item: str,
-    scene: "Scene",
-    known: "Scenario | None",
-    episode: "Episode | None",
-    file: Path | None,
-) -> Iterator[str]:
-    """Yield the lines about a scene, or about one of its ordinary drives."""
-    yield item
-    if known is not None:
-        yield f"  path      {' > '.join(known.path)}"
-        text = {"rare": known.text, "twin": known.ordinary}.get(kind_of(item))
-        if text:
-            yield f"  text      {one_line(text)}"
-    if kind_of(item) == "rare":
-        yield f"  place     {scene.map}, ego at {scene.ego.speed:g} m/s; {_weather(scene.weather)}"
-        for part, state in scene.map_state.faults() if scene.map_state else ():
-            yield f"  map       {part}: {state}"
-        for actor in scene.actors:
-            mark = "*" if actor.id in scene.hazard.actors else " "
-            at = actor.placement
-            yield (
-                f"  actor   {mark} {actor.id}: {actor.asset}, {actor.behaviour.name}, lane {at.lane}, "
-                f"{at.ahead_m:g} m ahead"
-            )
-            for name in actor.details.given() if actor.details else ():
-                yield f"              {name}: {_given(actor.details, name)}"
-        for prop in scene.made:
-            yield f"  made      {prop.id}: {prop.description}"
-        for motion in scene.motions:
-            yield f"  made      {motion.id}: {motion.description}"
+def _lines(drive: _Drive, frame: Path | None) -> Iterator[str]:
+    """Yield the lines about a drive."""
+    yield drive.item_id
+    if drive.scenario is not None:
+        yield from _scenario_lines(drive.scenario, kind_of(drive.item_id))
+    if not is_ordinary(drive.item_id):
+        yield from _scene_lines(drive.scene)
+    yield from _episode_lines(drive.episode)
+    if frame is not None:
+        yield f"  frame     {frame}"
+
+
+def _scenario_lines(scenario: "Scenario", kind: Kind) -> Iterator[str]:
+    yield f"  path      {' > '.join(scenario.path)}"
+    text = {"rare": scenario.text, "twin": scenario.ordinary}.get(kind)
+    if text:
+        yield f"  text      {one_line(text)}"
+
+
+def _scene_lines(scene: "Scene") -> Iterator[str]:
+    yield f"  place     {scene.map}, ego at {scene.ego.speed:g} m/s; {_weather(scene.weather)}"
+    for part, state in scene.map_state.faults() if scene.map_state else ():
+        yield f"  map       {part}: {state}"
+    for actor in scene.actors:
+        mark = "*" if actor.id in scene.hazard.actors else " "
+        at = actor.placement
+        yield (
+            f"  actor   {mark} {actor.id}: {actor.asset}, {actor.behaviour.name}, lane {at.lane}, "
+            f"{at.ahead_m:g} m ahead"
+        )
+        if actor.details:
+            for name in actor.details.given():
+                yield f"              {name}: {_detail(actor.details, name)}"
+    for made in (*scene.made, *scene.motions):
+        yield f"  made      {made.id}: {made.description}"
+
+
+def _episode_lines(episode: "Episode | None") -> Iterator[str]:
     if episode is None:
         yield "  not simulated"
     elif episode.status == "failed":
         yield f"  failed    {one_line(episode.error or '')}"
     else:
         yield f"  decision  after {episode.decision_s or 0:.2f} s"
-        for action in (one for one in ACTIONS if one in episode.actions):
-            yield f"  {action:18}{episode.label(action)}"
-    if file is not None:
-        yield f"  frame     {file}"
+        for action in ACTIONS:
+            if action in episode.actions:
+                yield f"  {action:18}{episode.label(action)}"
 
 
-def _given(details: "Details | None", name: str) -> str:
+def _detail(details: "Details", name: str) -> str:
     value = getattr(details, name)
     return ", ".join(value) if isinstance(value, tuple) else str(value)
 
