@@ -14,6 +14,7 @@ from oodscen.errors import UnknownComponent, UsageError
 from oodscen.protocols import Simulator
 from oodscen.testing._kit import (
     appearance,
+    cameras,
     isolation,
     measures,
     motion,
@@ -46,7 +47,7 @@ _PARTS: dict[str, Callable[[Probe], None]] = {
     "motion": motion.check_motion,
     "frames": pictures.check_frames,
     "pictures": pictures.check_pictures,
-    "turning": pictures.check_turning,
+    "turning": cameras.check_turning,
     "refusals": runs.check_refusals,
     "leaks": isolation.check_leaks,
 }

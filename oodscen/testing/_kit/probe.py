@@ -62,6 +62,15 @@ class Probe:
         """The map with the most lanes."""
         return max(self.catalogue.maps, key=lambda road: road.lanes + road.oncoming_lanes)
 
+    @property
+    def box_like(self) -> Asset:
+        """An asset whose shape is nearly its box.
+
+        Raises:
+            NotApplicable: If there is none.
+        """
+        return self.asset_for("vehicle", "object", "work_zone")
+
     def camera(self, width: int = 160, height: int = 120) -> Camera:
         """Return the camera of the simulator's kind; one above the ego is near enough for small pictures."""
         if self.is_top:

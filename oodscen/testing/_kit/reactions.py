@@ -52,8 +52,8 @@ def check_triggers(probe: Probe) -> None:
 def check_reactions(probe: Probe) -> None:
     """Check that a driver brakes for a standing body ahead, and for the ego."""
     follower = probe.doing("follow_lane", id="follower", ahead=20.0)
-    block = probe.asset_for("vehicle", "object", "work_zone")
-    ahead = probe.scene(follower, probe.still(block, id="block", ahead=75.0), speed=3.0)
+    block = probe.still(probe.box_like, id="block", ahead=75.0)
+    ahead = probe.scene(follower, block, speed=3.0)
     _check_stop(probe, ahead, 2, "brakes for a body ahead", constantly(Control()))
     behind = probe.scene(
         probe.doing("follow_lane", id="follower", ahead=-30.0, parameters={"speed": 12.0}),
