@@ -43,7 +43,7 @@ _SEED = 3
 def check_process(probe: Probe) -> None:
     """Check that the scenes' runs repeat in a fresh process."""
     camera = None if probe.states_only else probe.camera()
-    probe.findings.found += process_faults(probe.simulator, probe.source, probe.scenes, camera)
+    probe.findings.recorded += process_faults(probe.simulator, probe.source, probe.scenes, camera)
 
 
 def process_faults(
