@@ -14,6 +14,7 @@ from oodscen.errors import UnknownComponent, UsageError
 from oodscen.protocols import Simulator
 from oodscen.testing._kit import (
     appearance,
+    cameras,
     isolation,
     measures,
     motion,
@@ -30,7 +31,6 @@ RESETS = 200
 _MEMBERS = "name dt catalogue reset step render observe close __enter__ __exit__".split()
 """Members of `Simulator`."""
 
-
 _PARTS: dict[str, Callable[[Probe], None]] = {
     "catalogue": vocabulary.check_catalogue,
     "maps": vocabulary.check_maps,
@@ -46,7 +46,7 @@ _PARTS: dict[str, Callable[[Probe], None]] = {
     "motion": motion.check_motion,
     "frames": pictures.check_frames,
     "pictures": pictures.check_pictures,
-    "turning": pictures.check_turning,
+    "turning": cameras.check_turning,
     "refusals": runs.check_refusals,
     "leaks": isolation.check_leaks,
 }
@@ -91,7 +91,7 @@ def check_simulator(
         simulator: A factory of fresh simulators, or a name as in `make_simulator`. Only names, and the
             classes and functions of importable modules, can run in a fresh process; that part does not apply to
             anything defined in a script or notebook.
-        scenes: Additional scenes that must run; by default one per map is made.
+        scenes: The scenes whose runs are repeated; by default one per map is made.
         quick: Skip the parts that take more than seconds: `appearance`, `process` and `leaks`.
         states_only: Compare only states where runs are repeated, for a simulator whose pixels differ from run
             to run. Its pictures are still checked one by one.
@@ -112,7 +112,7 @@ def check_simulator(
         resets=resets,
         progress=progress,
     )
-    _raise(results)
+    _raise_findings(results)
 
 
 def examine_parts(
@@ -134,11 +134,11 @@ def examine_parts(
             raise UnknownComponent("part", part, PARTS)
     if is_worker():
         raise UsageError(isolation.NEEDS_GUARD)
-    wanted = [part for part in _PARTS if part in parts and (not quick or part in QUICK)]
+    selected = [part for part in _PARTS if part in parts and (not quick or part in QUICK)]
     factory = partial(make_simulator, simulator) if isinstance(simulator, str) else simulator
     results: list[PartResult] = []
     opening = Findings()
-    with reporting(progress) as told:
+    with reporting(progress) as report:
         with opening.trying("the factory works"):
             with factory() as opened:
                 make_probe = partial(
@@ -150,25 +150,25 @@ def examine_parts(
                     states_only=states_only,
                     resets=resets,
                 )
-                for done, part in enumerate(wanted):
-                    told("check", done, len(wanted))
-                    results.append(_tried(part, make_probe))
+                for done, part in enumerate(selected):
+                    report("check", done, len(selected))
+                    results.append(_run_part(part, make_probe))
             with opening.trying("close may be called twice"):
                 opened.close()
                 opened.close()
-        told("check", len(wanted), len(wanted))
-    return [*results, PartResult("close", tuple(opening.found))]
+        report("check", len(selected), len(selected))
+    return [*results, PartResult("close", tuple(opening.recorded))]
 
 
-def _tried(part: str, make_probe: Callable[[Findings], Probe]) -> PartResult:
+def _run_part(part: str, make_probe: Callable[[Findings], Probe]) -> PartResult:
     """Run one part on an open simulator."""
     findings = Findings()
     try:
         with findings.trying(""):
             _PARTS[part](make_probe(findings))
     except NotApplicable as reason:
-        return PartResult(part, tuple(findings.found), "" if findings.found else str(reason))
-    return PartResult(part, tuple(findings.found), note=findings.note)
+        return PartResult(part, tuple(findings.recorded), "" if findings.recorded else str(reason))
+    return PartResult(part, tuple(findings.recorded), note=findings.note)
 
 
 def _probe(
@@ -188,17 +188,21 @@ def _probe(
     if not catalogue.maps or not catalogue.assets:
         raise UsageError("the catalogue has no map or no asset")
     weather = clear_day(catalogue)
-    chosen = list(scenes or (plain_scene(catalogue, road, weather) for road in catalogue.maps))
+    scenes = scenes or [plain_scene(catalogue, road, weather) for road in catalogue.maps]
     return Probe(
-        simulator=simulator, catalogue=catalogue, scenes=chosen, findings=findings, **options
+        simulator=simulator, catalogue=catalogue, scenes=scenes, findings=findings, **options
     )
 
 
-def _raise(results: Iterable[PartResult]) -> None:
+def _raise_findings(results: Iterable[PartResult]) -> None:
+    """Raise an error that lists all findings, if there are any.
+
+    Raises:
+        AssertionError: If a part does not hold.
+    """
     lines = [line for result in results for line in result.lines()]
     if lines:
-        listed = "".join(f"\n  - {line}" for line in lines)
-        raise AssertionError(f"the simulator breaks its protocol:{listed}")
+        raise AssertionError("\n  - ".join(["the simulator breaks its protocol:", *lines]))
 
 
 @dataclass(frozen=True)
@@ -215,7 +219,9 @@ class SimulatorCheck:
         Raises:
             AssertionError: Lists all findings.
         """
-        _raise(examine_parts(self.simulator, states_only=self.states_only, parts=(self.part,)))
+        _raise_findings(
+            examine_parts(self.simulator, states_only=self.states_only, parts=(self.part,))
+        )
 
     def __str__(self) -> str:
         return self.part

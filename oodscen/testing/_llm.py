@@ -45,7 +45,8 @@ class ScriptedLLM(Brief):
         self._function = answers if callable(answers) else None
         self._by_purpose = dict(answers) if isinstance(answers, Mapping) else None
         self._for_all = tuple(answers) if isinstance(answers, Sequence) else ()
-        self._given: dict[str, int] = {}
+        self._answered: dict[str, int] = {}
+        """Number of answers taken from the sequence of each purpose, or of none."""
         self._lock = threading.Lock()
 
     def complete(self, request: Request) -> Completion:
@@ -57,28 +58,28 @@ class ScriptedLLM(Brief):
         with self._lock:
             self.requests.append(request)
             if self._function is None:
-                return spoken(self._next(request.prompt.purpose))
-        answer = self._function(request)
-        return answer if isinstance(answer, Completion) else spoken(answer)
+                return _completion(self._next(request.prompt.purpose))
+        return _completion(self._function(request))
 
     def _next(self, purpose: str) -> Answer:
-        script: Answer | Sequence[Answer] | None = self._for_all
-        key = ""
-        if self._by_purpose is not None:
-            script, key = self._by_purpose.get(purpose), purpose
-        if isinstance(script, (str, Mapping, BaseModel, BaseException)):
-            return script
-        number = self._given.get(key, 0)
-        if script is None or number >= len(script):
+        """Return the answer that is next for a purpose."""
+        key = "" if self._by_purpose is None else purpose
+        answers = self._for_all if self._by_purpose is None else self._by_purpose.get(purpose, ())
+        if isinstance(answers, (str, Mapping, BaseModel, BaseException)):
+            return answers
+        index = self._answered.get(key, 0)
+        if index >= len(answers):
             raise LLMError(
-                f"{self.name} has no answer number {number + 1} to {purpose!r}", model=self.name
+                f"{self.name} has no answer number {index + 1} to {purpose!r}", model=self.name
             )
-        self._given[key] = number + 1
-        return script[number]
+        self._answered[key] = index + 1
+        return answers[index]
 
 
-def spoken(answer: Answer) -> Completion:
-    """Turn a prepared answer into a model's completion, or raise it."""
+def _completion(answer: Answer | Completion) -> Completion:
+    """Return a prepared answer as a completion, or raise it."""
+    if isinstance(answer, Completion):
+        return answer
     if isinstance(answer, BaseException):
         raise answer
     if isinstance(answer, str):

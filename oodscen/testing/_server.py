@@ -50,6 +50,9 @@ The content filter: the question is refused with status 400 (`filtered`), the an
 it is whole and marked as cut by the filter (`flagged`).
 """
 
+_SIGNATURES = {"data:image/jpeg;base64": b"\xff\xd8\xff", "data:image/png;base64": b"\x89PNG"}
+"""First bytes of a picture by the head of its data URL."""
+_JSON_HEAD = b"HTTP/1.1 200 OK\r\ncontent-type: application/json\r\n\r\n"
 _PAUSE_S = 0.02
 """Seconds between two bytes of a slow server."""
 
@@ -142,7 +145,7 @@ class AnsweringServer(Brief):
             self._questions[_key(turns, seed)] = request
 
     def recognise(self, received: Received) -> Request | None:
-        """Return the announced question that a received conversation renders, or `None`."""
+        """Return the announced question that a conversation asks, or `None`."""
         turns = []
         for message in received.messages:
             texts, images = _content(message)
@@ -203,30 +206,47 @@ def _content(message: dict[str, Any]) -> tuple[str, list[bytes]]:
             texts.append(part["text"])
             continue
         head, _, data = part["image_url"]["url"].partition(",")
-        picture = base64.b64decode(data, validate=True)
-        start = {"data:image/jpeg;base64": b"\xff\xd8\xff", "data:image/png;base64": b"\x89PNG"}
-        if head not in start or not picture.startswith(start[head]):
+        image = base64.b64decode(data, validate=True)
+        if head not in _SIGNATURES or not image.startswith(_SIGNATURES[head]):
             raise ValueError(f"not a picture as a data URL: {head[:40]}")
-        images.append(picture)
+        images.append(image)
     return "\n".join(texts), images
 
 
+def _parsed(body: bytes, headers: dict[str, str]) -> Received:
+    """Return a request's content, without credentials.
+
+    Raises:
+        ValueError, KeyError, TypeError, AttributeError: If it is not a chat request.
+    """
+    document = json.loads(body)
+    pictures: list[bytes] = []
+    for message in document["messages"]:
+        _, images = _content(message)
+        pictures += images
+        if not isinstance(message["role"], str):
+            raise TypeError("a role is not text")
+    if not isinstance(document["model"], str):
+        raise TypeError("the model is not text")
+    headers = {k: v for k, v in headers.items() if k not in ("authorization", "api-key")}
+    return Received(document, headers, tuple(pictures))
+
+
 class _Handler(BaseHTTPRequestHandler):
-    """Answers one connection, or misbehaves as the faults say."""
+    """Answers one request, or produces the fault that replaces the response."""
 
     server: "_Server"
 
     def do_POST(self) -> None:
-        body = json.loads(self.rfile.read(int(self.headers["content-length"])))
+        body = self.rfile.read(int(self.headers.get("content-length", 0)))
         if self.path != "/v1/chat/completions":
             return self._error(404, f"there is no {self.path} here")
-        try:
-            pictures = [image for message in body["messages"] for image in _content(message)[1]]
-        except (ValueError, KeyError, TypeError) as error:
-            return self._error(400, f"unreadable messages: {error}")
         headers = {name.lower(): value for name, value in self.headers.items()}
-        headers = {k: v for k, v in headers.items() if k not in ("authorization", "api-key")}
-        server, received = self.server.answering, Received(body, headers, tuple(pictures))
+        try:
+            received = _parsed(body, headers)
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            return self._error(400, f"unreadable request: {error!r:.200}")
+        server = self.server.answering
         index = server.record(received)
         request = server.recognise(received)
         fault = server.fault(index, request)
@@ -238,13 +258,11 @@ class _Handler(BaseHTTPRequestHandler):
             completion = server.llm.complete(request)
         except LLMError as error:
             return self._error(400, str(error))
-        ending = "length" if completion.is_cut_off or fault == "truncated" else "stop"
-        ending = "content_filter" if fault in ("withheld", "flagged") else ending
-        spoilt = _spoil(completion.text, fault)
-        message = _message(spoilt, completion.instead)
-        document = _chat_completion(body["model"], body["messages"], message, ending)
+        message = _message(_faulty_text(completion.text, fault), completion.instead)
+        reason = _finish_reason(completion, fault)
+        document = _chat_completion(received, message, reason)
         if fault == "cut":
-            return self._send(200, document, announced=len(document) + 999)
+            return self._send(200, document, content_length=len(document) + 999)
         return self._send(200, document)
 
     def _misbehave(self, fault: str) -> None:
@@ -267,10 +285,10 @@ class _Handler(BaseHTTPRequestHandler):
             self._pour(b"", b"HTTP/1.1 102 Processing\r\n\r\n", _PAUSE_S)
         elif fault == "slow_head":
             self._pour(b"HTTP/1.1 200 OK\r\nx-slow: ", b"a", _PAUSE_S)
-        elif fault in ("slow", "huge"):
-            head = b"HTTP/1.1 200 OK\r\ncontent-type: application/json\r\n\r\n"
-            slow = fault == "slow"
-            self._pour(head, b" " if slow else b" " * 65_536, _PAUSE_S if slow else 0.0)
+        elif fault == "slow":
+            self._pour(_JSON_HEAD, b" ", _PAUSE_S)
+        elif fault == "huge":
+            self._pour(_JSON_HEAD, b" " * 65_536, 0.0)
         self.close_connection = True
 
     def _pour(self, head: bytes, piece: bytes, pause_s: float) -> None:
@@ -298,13 +316,15 @@ class _Handler(BaseHTTPRequestHandler):
         status: int,
         body: bytes,
         headers: dict[str, str] | None = None,
-        announced: int | None = None,
+        content_length: int | None = None,
     ) -> None:
         self.send_response(status)
         for name, value in (headers or {}).items():
             self.send_header(name, value)
         self.send_header("content-type", "application/json")
-        self.send_header("content-length", str(len(body) if announced is None else announced))
+        if content_length is None:
+            content_length = len(body)
+        self.send_header("content-length", str(content_length))
         self.end_headers()
         self.wfile.write(body)
 
@@ -312,7 +332,13 @@ class _Handler(BaseHTTPRequestHandler):
         """Suppress the log."""
 
 
-def _spoil(text: str, fault: Fault | None) -> str | None:
+def _finish_reason(completion: Completion, fault: Fault | None) -> str:
+    if fault in ("withheld", "flagged"):
+        return "content_filter"
+    return "length" if completion.is_cut_off or fault == "truncated" else "stop"
+
+
+def _faulty_text(text: str, fault: Fault | None) -> str | None:
     if fault == "malformed":
         return "I would rather describe this in prose, without any structure."
     if fault == "truncated":
@@ -333,27 +359,19 @@ def _message(text: str | None, instead: str | None) -> dict[str, Any]:
     return message
 
 
-def _chat_completion(
-    model: str, messages: list[dict[str, Any]], message: dict[str, Any], ending: str
-) -> bytes:
-    asked = sum(len(_content(message)[0]) for message in messages) // 4
-    answered = len(message["content"] or "") // 4
+def _chat_completion(received: Received, message: dict[str, Any], finish_reason: str) -> bytes:
+    prompt_tokens = sum(len(_content(turn)[0]) for turn in received.messages) // 4
+    completion_tokens = len(message["content"] or "") // 4
     document = {
         "id": "chatcmpl-0",
         "object": "chat.completion",
         "created": 0,
-        "model": model,
-        "choices": [
-            {
-                "index": 0,
-                "finish_reason": ending,
-                "message": message,
-            }
-        ],
+        "model": received.body["model"],
+        "choices": [{"index": 0, "finish_reason": finish_reason, "message": message}],
         "usage": {
-            "prompt_tokens": asked,
-            "completion_tokens": answered,
-            "total_tokens": asked + answered,
+            "prompt_tokens": prompt_tokens,
+            "completion_tokens": completion_tokens,
+            "total_tokens": prompt_tokens + completion_tokens,
         },
     }
     return json.dumps(document).encode()

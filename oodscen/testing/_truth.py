@@ -1,8 +1,9 @@
 """Checks, on rendered frames, that a simulator shows a scene as specified."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,16 +30,21 @@ OVERCAST = 0.9
 PLACE_M = 0.75
 """Maximum distance between an actor's start and its placement, m."""
 
-_SLICES = (3.0 * 1.25 ** np.arange(24)).tolist()
-"""Bounds of the distance bins, m."""
+_BIN_EDGES_M = (3.0 * 1.25 ** np.arange(24)).tolist()
 _LEAST_STEP = 3.0
-"""Minimum grey-level step between neighbouring clear pixels for a meaningful ratio."""
+"""Least grey-level step between neighbouring clear pixels for a meaningful ratio."""
 _LEAST_STEPS = 60
-"""Minimum number of such steps per bin."""
-_LEAST_RATIO = 0.05
+"""Least number of such steps per bin."""
+_LEAST_BINS = 3
+"""Least number of bins that a visual range is fitted to."""
+_LEAST_CONTRAST = 0.05
+"""Least contrast of a bin that a visual range is fitted to, relative to the clear one."""
 _DAYLIGHT_DEG = 10.0
+"""Least sun elevation under which contrast is measured, degrees."""
 _LEAST_PX = 40
+"""Fewest pixels of a body whose place is checked."""
 _MARGIN_PX = 4.0
+"""Width of the margin around a body's silhouette in which its pixels may be."""
 _WHEN = {"first": "at the start", "middle": "half-way", "last": "at the decision"}
 
 
@@ -72,14 +78,14 @@ def check_truth(
     moments = {
         moment: bodies(scene, catalogue, simulated.state_of(moment).poses) for moment in MOMENTS
     }
-    issues = _misplaced(scene, corridor, moments["first"])
+    issues = _placement_issues(scene, corridor, moments["first"])
     issues += floating_issues(scene, corridor, moments) + overlap_issues(scene, corridor, moments)
-    issues += _unlike(simulated.frames, moments, camera)
+    issues += _picture_issues(simulated.frames, moments, camera)
     if simulated.episode.hazard_visible is False:
-        issues.append(_unseen(scene, simulated))
-    issues += _outcomes(scene, simulated)
+        issues.append(_hidden_hazard(scene, simulated))
+    issues += _record_issues(scene, simulated)
     if scene.weather.fog_visual_range_m <= FOGGY_M:
-        issues += _fog(scene, simulator, seed, camera)
+        issues += _fog_issues(scene, simulator, seed, camera)
     return issues
 
 
@@ -99,73 +105,105 @@ def measured_visual_range(frame: Frame, clear: Frame, camera: Camera) -> float |
     Returns:
         `None` if the frames have too little contrast.
     """
+    return _fitted_visual_range(_contrasts(frame, clear, camera))
+
+
+class _Contrast(NamedTuple):
+    """The contrast in fog of all surfaces within a distance bin."""
+
+    distance_m: float
+    ratio: float
+    """Foggy contrast over clear contrast."""
+    steps: int
+    """Number of grey-level steps that were compared."""
+
+
+def _contrasts(frame: Frame, clear: Frame, camera: Camera) -> list[_Contrast]:
+    """Return the contrasts along the rows and columns of a foggy frame, by distance."""
     u, v = tangents(camera)
-    away = np.where(np.isfinite(frame.depth), frame.depth, 0.0)
-    distance = away * np.sqrt(1.0 + u[None, :] ** 2 + v[:, None] ** 2)
-    grey, clear_grey = (one.rgb.astype(np.float64).mean(axis=2) for one in (frame, clear))
-    far, fades, weights = [], [], []
-    for axis in (0, 1):
-        first, second = (
-            tuple(part if axis == one else slice(None) for one in (0, 1))
-            for part in (slice(None, -1), slice(1, None))
-        )
-        near, step = distance[first], np.abs(distance[second] - distance[first])
-        before, after = clear_grey[second] - clear_grey[first], grey[second] - grey[first]
-        usable = (near > 0.0) & (step < 0.1 * near) & (np.abs(before) >= _LEAST_STEP)
-        usable &= (frame.ids[first] != 1) & (frame.ids[second] != 1)
-        for low, high in pairwise(_SLICES):
+    depth = np.where(np.isfinite(frame.depth), frame.depth, 0.0)
+    distance = depth * np.sqrt(1.0 + u[None, :] ** 2 + v[:, None] ** 2)
+    grey = frame.rgb.astype(np.float64).mean(axis=2)
+    clear_grey = clear.rgb.astype(np.float64).mean(axis=2)
+    is_ego = frame.ids == 1
+    contrasts = []
+    for one, other in (
+        (np.s_[:-1, :], np.s_[1:, :]),
+        (np.s_[:, :-1], np.s_[:, 1:]),
+    ):
+        near, gap = distance[one], np.abs(distance[other] - distance[one])
+        step, clear_step = grey[other] - grey[one], clear_grey[other] - clear_grey[one]
+        usable = (near > 0.0) & (gap < 0.1 * near) & (np.abs(clear_step) >= _LEAST_STEP)
+        usable &= ~is_ego[one] & ~is_ego[other]
+        for low, high in pairwise(_BIN_EDGES_M):
             inside = usable & (near >= low) & (near < high)
-            count = int(inside.sum())
-            if count < _LEAST_STEPS:
-                continue
-            ratio = float(np.median(after[inside] / before[inside]))
-            if ratio >= _LEAST_RATIO:
-                far.append(float(near[inside].mean()))
-                fades.append(math.log(ratio))
-                weights.append(count * ratio * ratio)
-    if len(far) < 3:
+            steps = int(inside.sum())
+            if steps >= _LEAST_STEPS:
+                ratio = float(np.median(step[inside] / clear_step[inside]))
+                contrasts.append(_Contrast(float(near[inside].mean()), ratio, steps))
+    return contrasts
+
+
+def _fitted_visual_range(contrasts: Sequence[_Contrast]) -> float | None:
+    """Return the visual range of which contrasts tell, m; `None` if they are too few."""
+    visible = [contrast for contrast in contrasts if contrast.ratio >= _LEAST_CONTRAST]
+    if len(visible) < _LEAST_BINS:
         return None
-    x, y, w = np.array(far), np.array(fades), np.array(weights)
-    x_mean, y_mean = np.average(x, weights=w), np.average(y, weights=w)
-    slope = float(np.average((x - x_mean) * (y - y_mean), weights=w)) / float(
-        np.average((x - x_mean) ** 2, weights=w)
-    )
+    x = np.array([contrast.distance_m for contrast in visible])
+    y = np.log([contrast.ratio for contrast in visible])
+    weights = np.array([contrast.steps * contrast.ratio**2 for contrast in visible])
+    x_mean, y_mean = np.average(x, weights=weights), np.average(y, weights=weights)
+    covariance = float(np.average((x - x_mean) * (y - y_mean), weights=weights))
+    slope = covariance / float(np.average((x - x_mean) ** 2, weights=weights))
     return -math.log(20.0) / slope if slope < 0.0 else math.inf
 
 
-def fog_fault(wanted: float, camera: Camera, seen: Callable[[float], Frame]) -> str:
-    """Return how a fog differs from its visual range in m, or an empty string.
+def fog_fault(visual_range_m: float, camera: Camera, render: Callable[[float], Frame]) -> str:
+    """Return how a fog differs from its visual range, or an empty string.
 
     Args:
-        wanted: The visual range of the scene, m.
+        visual_range_m: The visual range of the scene.
         camera: The camera of the frames.
-        seen: Returns the frame of the same state with a visual range.
+        render: Returns the frame of the same state with a visual range, m.
     """
-    found = measured_visual_range(seen(wanted), seen(CLEAR_AIR_M), camera)
-    if found is None or abs(found - wanted) <= RANGE_TOLERANCE * wanted:
+    contrasts = _contrasts(render(visual_range_m), render(CLEAR_AIR_M), camera)
+    measured_m = _fitted_visual_range(contrasts)
+    if measured_m is None:
+        is_opaque = len(contrasts) >= _LEAST_BINS and all(
+            contrast.ratio < _LEAST_CONTRAST for contrast in contrasts
+        )
+        nearest_m = min((contrast.distance_m for contrast in contrasts), default=math.inf)
+        if is_opaque and nearest_m < 0.5 * visual_range_m:
+            return f"nothing shows through the fog at {nearest_m:.0f} m, with a visual range of {visual_range_m:.0f} m"
         return ""
-    return f"the visual range is {found:.0f} m in the frame, {wanted:.0f} m in the scene"
+    if abs(measured_m - visual_range_m) <= RANGE_TOLERANCE * visual_range_m:
+        return ""
+    return (
+        f"the visual range is {measured_m:.0f} m in the frame, {visual_range_m:.0f} m in the scene"
+    )
 
 
-def _misplaced(scene: Scene, corridor: Corridor, cast: tuple[PlacedBody, ...]) -> list[Issue]:
+def _placement_issues(
+    scene: Scene, corridor: Corridor, cast: tuple[PlacedBody, ...]
+) -> list[Issue]:
     """Return issues for actors that do not start where the scene says."""
     lane = ego_strip(corridor, scene.ego.lane)
     issues = []
     for index, actor in enumerate(scene.actors):
         if actor.behaviour.other is not None:
             continue
-        place, body = actor.placement, cast[index + 1]
-        s = corridor.start + place.ahead_m
-        t = corridor.centre(neighbour_strip(corridor, lane, place.lane), s) + place.offset_m
-        x, y, _, _ = corridor.point(s, t)
-        apart = math.dist((x, y), (body.solid.x, body.solid.y))
-        if apart > PLACE_M:
-            message = f"{body} starts {apart:.1f} m from where it is placed"
+        placement, body = actor.placement, cast[index + 1]
+        s = corridor.start + placement.ahead_m
+        strip = neighbour_strip(corridor, lane, placement.lane)
+        x, y, _, _ = corridor.point(s, corridor.centre(strip, s) + placement.offset_m)
+        distance_m = math.dist((x, y), (body.solid.x, body.solid.y))
+        if distance_m > PLACE_M:
+            message = f"{body} starts {distance_m:.1f} m from where it is placed"
             issues.append(Issue(f"actors[{index}].placement", message))
     return issues
 
 
-def _unlike(
+def _picture_issues(
     frames: Mapping[str, Frame], moments: Mapping[str, tuple[PlacedBody, ...]], camera: Camera
 ) -> list[Issue]:
     """Return issues for actors whose pixels are not where their boxes are."""
@@ -173,12 +211,12 @@ def _unlike(
     for moment, frame in frames.items():
         cast = moments[moment]
         eye = Eye(camera, cast[0].solid)
-        for row, body in enumerate(cast):
-            mask = frame.ids == row + 1
-            if row == 0 or body.id in issues or mask.sum() < _LEAST_PX:
+        for index, body in enumerate(cast[1:]):
+            mask = frame.ids == index + 2
+            if body.id in issues or mask.sum() < _LEAST_PX:
                 continue
             outline = eye.silhouette(body.solid)
-            path, where = f"actors[{row - 1}]", _WHEN[moment]
+            path, where = f"actors[{index}]", _WHEN[moment]
             if not outline:
                 issues[body.id] = Issue(path, f"{body} is behind the camera, yet shown {where}")
                 continue
@@ -188,22 +226,24 @@ def _unlike(
             low, high = depths(eye, body.solid)
             depth = float(np.median(frame.depth[mask]))
             if not low - 0.5 <= depth <= high + 0.5:
-                what = f"{body} has a depth of {depth:.1f} m {where}, not {low:.1f} m"
-                issues[body.id] = Issue(path, what)
+                message = f"{body} has a depth of {depth:.1f} m {where}, not {low:.1f} m"
+                issues[body.id] = Issue(path, message)
     return list(issues.values())
 
 
-def _unseen(scene: Scene, simulated: Simulated) -> Issue:
-    shown = simulated.episode.visible
-    counts = [
-        f"{name}: "
-        + ", ".join(f"{shown[moment].get(name, 0)} px {_WHEN[moment]}" for moment in shown)
-        for name in scene.hazard.actors
-    ]
+def _hidden_hazard(scene: Scene, simulated: Simulated) -> Issue:
+    """Return an issue with the hazard's pixels in every frame."""
+    counts = []
+    for name in scene.hazard.actors:
+        pixels = [
+            f"{visible.get(name, 0)} px {_WHEN[moment]}"
+            for moment, visible in simulated.episode.visible.items()
+        ]
+        counts.append(f"{name}: {', '.join(pixels)}")
     return Issue("hazard", f"cannot be seen in any frame ({'; '.join(counts) or 'weather'})")
 
 
-def _outcomes(scene: Scene, simulated: Simulated) -> list[Issue]:
+def _record_issues(scene: Scene, simulated: Simulated) -> list[Issue]:
     """Return an issue for everything that the episode's record lacks."""
     episode, issues = simulated.episode, []
     if not episode.decision_fired:
@@ -215,23 +255,23 @@ def _outcomes(scene: Scene, simulated: Simulated) -> list[Issue]:
     for moment, frame in simulated.frames.items():
         if frame.rgb.std() < 2.0 and scene.weather.fog_visual_range_m > FOGGY_M:
             issues.append(Issue("", f"the frame {_WHEN[moment]} is blank"))
-        hit = frame.ids > 0
-        if not np.isfinite(frame.depth[hit]).all():
+        if not np.isfinite(frame.depth[frame.ids > 0]).all():
             issues.append(Issue("", f"a body in the frame {_WHEN[moment]} has no depth"))
     return issues
 
 
-def _fog(scene: Scene, simulator: Simulator, seed: int, camera: Camera) -> list[Issue]:
+def _fog_issues(scene: Scene, simulator: Simulator, seed: int, camera: Camera) -> list[Issue]:
     """Measure the visual range of the scene's fog alone, at its start on an overcast day."""
-    wanted = scene.weather.fog_visual_range_m
-    sun = max(scene.weather.sun_elevation_deg, _DAYLIGHT_DEG)
+    sun_elevation_deg = max(scene.weather.sun_elevation_deg, _DAYLIGHT_DEG)
 
-    def seen(visual_range: float) -> Frame:
+    def render(visual_range_m: float) -> Frame:
         weather = Weather(
-            fog_visual_range_m=visual_range, cloud_cover=OVERCAST, sun_elevation_deg=sun
+            fog_visual_range_m=visual_range_m,
+            cloud_cover=OVERCAST,
+            sun_elevation_deg=sun_elevation_deg,
         )
         state = simulator.reset(scene.model_copy(update={"weather": weather}), seed)
         return render_checked(simulator, camera, len(state.ids))
 
-    fault = fog_fault(wanted, camera, seen)
+    fault = fog_fault(scene.weather.fog_visual_range_m, camera, render)
     return [Issue("weather.fog_visual_range_m", fault)] if fault else []

@@ -22,9 +22,10 @@ IMAGINE = SAMPLES[3]
 
 
 def post(server, body, path="/chat/completions"):
-    asked = urllib.request.Request(server.api_base + path, json.dumps(body).encode())
+    data = body if isinstance(body, bytes) else json.dumps(body).encode()
+    request = urllib.request.Request(server.api_base + path, data)
     try:
-        with urllib.request.urlopen(asked) as answer:
+        with urllib.request.urlopen(request, timeout=5.0) as answer:
             return answer.status, json.load(answer)
     except urllib.error.HTTPError as error:
         with error:
@@ -90,6 +91,44 @@ def test_only_pictures_are_pictures(url):
         )
     assert status == 400
     assert "unreadable" in body["error"]["message"]
+
+
+HELLO = {"role": "user", "content": "hello"}
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        b"",
+        b"{",
+        b"\xff",
+        [],
+        None,
+        {},
+        {"messages": [HELLO]},
+        {"messages": [HELLO], "model": None},
+        {"messages": 1, "model": "m"},
+        {"messages": ["hello"], "model": "m"},
+        {"messages": [{"content": "hello"}], "model": "m"},
+        {"messages": [{"role": [], "content": "hello"}], "model": "m"},
+        {"messages": [{"role": "user", "content": [{}]}], "model": "m"},
+        {"messages": [{"role": "user", "content": [{"type": "text", "text": 1}]}], "model": "m"},
+        {
+            "messages": [{"role": "user", "content": [{"type": "x", "image_url": "y"}]}],
+            "model": "m",
+        },
+        {
+            "messages": [{"role": "user", "content": [{"image_url": {"url": 1}, "type": 0}]}],
+            "model": "m",
+        },
+    ],
+)
+def test_what_is_no_chat_request_is_refused_in_words(body):
+    with AnsweringServer(ScriptedLLM(echo)) as server:
+        status, answer = post(server, body)
+        assert server.received == []
+    assert status == 400
+    assert answer["error"]["message"].startswith("unreadable request: ")
 
 
 def test_faults_are_chosen_by_number_and_question():

@@ -64,6 +64,16 @@ class Clear(FlatSimulator):
         self._weather = self._weather.model_copy(update={"fog_visual_range_m": 2_000.0})
 
 
+class Opaque(FlatSimulator):
+    """Shows nothing but grey in any fog."""
+
+    def draw(self, camera):
+        frame = super().draw(camera)
+        if self._weather.fog_visual_range_m > 1_000.0:
+            return frame
+        return dataclasses.replace(frame, rgb=np.full_like(frame.rgb, 150))
+
+
 class Shifted(FlatSimulator):
     def _publish(self):
         state = super()._publish()
@@ -80,6 +90,7 @@ class Shifted(FlatSimulator):
         (Mirrored, example_scene(), "actors[0]"),
         (Deep, example_scene(), "actors[0]"),
         (Clear, foggy(60.0), "weather.fog_visual_range_m"),
+        (Opaque, foggy(60.0), "weather.fog_visual_range_m"),
         (Shifted, example_scene(), "actors[0].placement"),
     ],
     ids=lambda value: getattr(value, "__name__", ""),

@@ -21,7 +21,9 @@ INSIDE = 0.7
 """Minimum share of its pixels within that silhouette: mirrors and drawbars stand out."""
 
 _NEAREST_M = 6.0
+"""Least distance at which an asset is rendered, m."""
 _FOG_M = 60.0
+"""Visual range that is measured, if the catalogue offers it, m."""
 
 
 def check_appearance(probe: Probe) -> None:
@@ -32,19 +34,20 @@ def check_appearance(probe: Probe) -> None:
     """
     for asset in probe.catalogue.assets:
         for state in asset.states or ("",):
-            what = f"asset {asset.id} {state}".rstrip()
-            with probe.findings.trying(what):
-                for fault in _shown(probe, asset, state):
-                    probe.findings.add(what, fault)
+            subject = f"asset {asset.id} {state}".rstrip()
+            with probe.findings.trying(subject):
+                for fault in _appearance_faults(probe, asset, state):
+                    probe.findings.add(subject, fault)
 
 
-def _shown(probe: Probe, asset: Asset, state: str) -> list[str]:
-    size = max(asset.length, asset.width, 1.2 * asset.height)
-    away = max(_NEAREST_M, 0.5 * asset.length + 3.0 + 0.9 * size)
-    actor = probe.still(asset, ahead=away).model_copy(update={"state": state})
+def _appearance_faults(probe: Probe, asset: Asset, state: str) -> list[str]:
+    """Return how the picture of an asset differs from its box."""
+    size_m = max(asset.length, asset.width, 1.2 * asset.height)
+    ahead_m = max(_NEAREST_M, 0.5 * asset.length + 3.0 + 0.9 * size_m)
+    actor = probe.still(asset, ahead=ahead_m).model_copy(update={"state": state})
     scene, camera = probe.scene(actor), probe.camera(240, 180)
     if probe.is_top:
-        camera = replace(camera, x=away, z=asset.height + max(8.0, 1.2 * size))
+        camera = replace(camera, x=ahead_m, z=asset.height + max(8.0, 1.2 * size_m))
     first = probe.simulator.reset(scene, 0)
     frame = probe.simulator.render(camera)
     cast = bodies(scene, probe.catalogue, first.poses)
@@ -54,7 +57,7 @@ def _shown(probe: Probe, asset: Asset, state: str) -> list[str]:
     mask = frame.ids == 2
     pixels = int(mask.sum())
     if pixels < max(4.0, LEAST_SHARE * silhouette):
-        return [f"fills {pixels} pixels of about {silhouette:.0f}, {away:.0f} m ahead"]
+        return [f"fills {pixels} pixels of about {silhouette:.0f}, {ahead_m:.0f} m ahead"]
     faults = []
     if int(frame.ids.max(initial=0)) > 2:
         faults.append("other ids than the ego's and its own are in the frame")
@@ -69,45 +72,42 @@ def _shown(probe: Probe, asset: Asset, state: str) -> list[str]:
 
 def check_weather(probe: Probe) -> None:
     """Render the extremes of the catalogue's weather, which must look unlike a clear day; measure its fog."""
-    wanted = extremes(probe.catalogue)
-    if not wanted:
+    weathers = extremes(probe.catalogue)
+    if not weathers:
         raise NotApplicable("the catalogue offers one weather only")
-    car = next(
-        (asset for asset in probe.catalogue.assets if asset.category == "vehicle"),
-        probe.catalogue.assets[0],
-    )
-    actor = probe.still(car, ahead=18.0)
+    vehicles = [asset for asset in probe.catalogue.assets if asset.category == "vehicle"]
+    actor = probe.still((vehicles or probe.catalogue.assets)[0], ahead=18.0)
     clear = _frame(probe, probe.scene(actor))
-    for what, weather in wanted.items():
+    for name, weather in weathers.items():
         try:
             frame = _frame(probe, probe.scene(actor, weather=weather))
         except OodscenError as error:
-            probe.findings.add(what, str(error))
+            probe.findings.add(name, str(error))
             continue
         if colour_count(frame.rgb) < 4:
-            probe.findings.add(what, "the frame is blank")
+            probe.findings.add(name, "the frame is blank")
         change = np.abs(frame.rgb.astype(np.int16) - clear.rgb.astype(np.int16)).mean()
         if weather.friction == 1.0 and change < 1.0:
-            probe.findings.add(what, "looks like a clear day")
-        differ = float((frame.ids != clear.ids).mean())
-        if differ > 0.001:
-            probe.findings.add(what, f"changes the ids of {differ:.1%} of the pixels")
+            probe.findings.add(name, "looks like a clear day")
+        share = float((frame.ids != clear.ids).mean())
+        if share > 0.001:
+            probe.findings.add(name, f"changes the ids of {share:.1%} of the pixels")
     _check_fog(probe)
 
 
 def _check_fog(probe: Probe) -> None:
     """Measure the visual range of a fog, from the contrast of two pictures."""
-    wanted = max(_FOG_M, probe.catalogue.weather.min_fog_visual_range_m)
-    if wanted > FOGGY_M or probe.is_top:
+    visual_range_m = max(_FOG_M, probe.catalogue.weather.min_fog_visual_range_m)
+    if visual_range_m > FOGGY_M or probe.is_top:
         return
     camera = probe.camera(320, 240)
 
-    def seen(visual_range: float) -> Frame:
-        changes = {"fog_visual_range_m": visual_range, "cloud_cover": OVERCAST}
+    def render(visual_range_m: float) -> Frame:
+        changes = {"fog_visual_range_m": visual_range_m, "cloud_cover": OVERCAST}
         probe.simulator.reset(probe.scene(weather=probe.clear.model_copy(update=changes)), 0)
         return probe.simulator.render(camera)
 
-    fault = fog_fault(wanted, camera, seen)
+    fault = fog_fault(visual_range_m, camera, render)
     probe.findings.expect(not fault, "fog", fault)
 
 

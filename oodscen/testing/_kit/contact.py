@@ -32,12 +32,15 @@ def gap_fault(states: Sequence[State], scene: Scene, catalogue: Catalogue) -> st
             for (x, y, _, yaw), size in zip(rows, sizes[:, :2].tolist(), strict=True)
         ]
         for row in range(1, len(rows)):
-            level, found = gap(boxes[0], boxes[row]), float(state.gaps[row])
-            if course.passable[row] or (level > NEAR_M and math.isinf(found)):
+            level, reported = gap(boxes[0], boxes[row]), float(state.gaps[row])
+            if course.passable[row] or (level > NEAR_M and math.isinf(reported)):
                 continue
             ground = float(np.interp(road.locate(*rows[row][:2])[0], road.s, road.z))
             above = max(0.0, rows[row][2] - ground - float(sizes[0, 2]))
             expected = math.hypot(level, above)
-            if not abs(found - expected) <= TOLERANCE_M:
-                return f"the gap to {state.ids[row]!r} is {found:.2f} m, between the boxes {expected:.2f} m"
+            if not abs(reported - expected) <= TOLERANCE_M:
+                return (
+                    f"the gap to {state.ids[row]!r} is {reported:.2f} m, between the boxes "
+                    f"{expected:.2f} m"
+                )
     return ""

@@ -1,5 +1,7 @@
 """Part about the ego's motion: controls, grip and contacts, against the reference world."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from oodscen.protocols import Control
@@ -31,25 +33,27 @@ def check_ego(probe: Probe) -> None:
         ("steering right by 0.05 rad", 8.0, Control(0.0, -0.05)),
     ):
         scene = probe.scene(speed=speed)
-        tracks, other = run_both(probe, scene, constantly(control), seconds=_SECONDS)
-        fault = start_fault(tracks, other, 0)
+        tracks, reference = run_both(probe, scene, constantly(control), seconds=_SECONDS)
+        fault = start_fault(tracks, reference, 0)
         probe.findings.expect(not fault, "ego", fault)
-        (told, turned), (wanted, turning) = _changes(tracks), _changes(other)
+        change, expected = _change(tracks), _change(reference)
         probe.findings.expect(
-            abs(told - wanted) <= 0.3 + _CONTROL * abs(wanted),
+            abs(change.speed - expected.speed) <= 0.3 + _CONTROL * abs(expected.speed),
             "ego",
-            f"{name} changes its speed by {told:.1f} m/s in {_SECONDS:g} s, not {wanted:.1f}",
+            f"{name} changes its speed by {change.speed:.1f} m/s in {_SECONDS:g} s, not "
+            f"{expected.speed:.1f}",
         )
         probe.findings.expect(
-            abs(turned - turning) <= 1.0 + _CONTROL * abs(turning),
+            abs(change.turn_deg - expected.turn_deg) <= 1.0 + _CONTROL * abs(expected.turn_deg),
             "ego",
-            f"{name} turns it by {turned:.1f} degrees in {_SECONDS:g} s, not {turning:.1f}",
+            f"{name} turns it by {change.turn_deg:.1f} degrees in {_SECONDS:g} s, not "
+            f"{expected.turn_deg:.1f}",
         )
-        apart = float(np.linalg.norm(tracks.poses[-1, 0, :2] - other.poses[-1, 0, :2]))
+        offset_m = float(np.linalg.norm(tracks.poses[-1, 0, :2] - reference.poses[-1, 0, :2]))
         probe.findings.expect(
-            apart <= 1.5,
+            offset_m <= 1.5,
             "ego",
-            f"{name} ends {apart:.1f} m from the reference after {_SECONDS:g} s",
+            f"{name} ends {offset_m:.1f} m from the reference after {_SECONDS:g} s",
         )
 
 
@@ -62,22 +66,25 @@ def check_grip(probe: Probe) -> None:
         NotApplicable: If no road is slippery, after the dry one was tried.
     """
     least = max(_LEAST_FRICTION, probe.catalogue.weather.min_friction)
-    for friction in (1.0, least) if least <= _SLIPPERY else (1.0,):
+    frictions = (1.0, least) if least <= _SLIPPERY else (1.0,)
+    for friction in frictions:
         weather = probe.clear.model_copy(update={"friction": friction})
         for name, speed, control in (
             ("braking", 24.0, Control(-20.0)),
             ("steering", 14.0, Control(0.0, 0.1 if friction < 1.0 else 0.3)),
         ):
             scene = probe.scene(speed=speed, weather=weather)
-            tracks, other = run_both(probe, scene, constantly(control), seconds=_SECONDS)
-            (told, turned), (wanted, turning) = _changes(tracks), _changes(other)
-            is_like = abs(told - wanted) <= 0.5 + _GRIP * abs(wanted)
-            is_like &= abs(turned - turning) <= 3.0 + _GRIP * abs(turning)
+            tracks, reference = run_both(probe, scene, constantly(control), seconds=_SECONDS)
+            change, expected = _change(tracks), _change(reference)
+            speed_tolerance = 0.5 + _GRIP * abs(expected.speed)
+            turn_tolerance_deg = 3.0 + _GRIP * abs(expected.turn_deg)
             probe.findings.expect(
-                is_like,
+                abs(change.speed - expected.speed) <= speed_tolerance
+                and abs(change.turn_deg - expected.turn_deg) <= turn_tolerance_deg,
                 "ego",
-                f"{name} at friction {friction:g} changes its speed by {told:.1f} m/s and turns it by "
-                f"{turned:.1f} degrees in {_SECONDS:g} s, not {wanted:.1f} and {turning:.1f}",
+                f"{name} at friction {friction:g} changes its speed by {change.speed:.1f} m/s and turns "
+                f"it by {change.turn_deg:.1f} degrees in {_SECONDS:g} s, not {expected.speed:.1f} and "
+                f"{expected.turn_deg:.1f}",
             )
     if least > _SLIPPERY:
         raise NotApplicable(
@@ -85,10 +92,19 @@ def check_grip(probe: Probe) -> None:
         )
 
 
-def _changes(tracks: Tracks) -> tuple[float, float]:
-    """Return the ego's change of speed, m/s, and of heading, degrees, over a run."""
+class _Change(NamedTuple):
+    """A change of the ego's motion over a run."""
+
+    speed: float
+    """m/s"""
+    turn_deg: float
+
+
+def _change(tracks: Tracks) -> _Change:
     speeds, headings = tracks.speeds[:, 0], tracks.poses[:, 0, 3]
-    return float(speeds[-1] - speeds[0]), turned_by(float(headings[-1]), float(headings[0]))
+    return _Change(
+        float(speeds[-1] - speeds[0]), turned_by(float(headings[-1]), float(headings[0]))
+    )
 
 
 def check_contact(probe: Probe) -> None:
@@ -105,8 +121,8 @@ def check_contact(probe: Probe) -> None:
     states = probe.run(scene, follow_lane, steps=round(3.0 / probe.simulator.dt))
     is_touched = any(state.contacts for state in states)
     probe.findings.expect(is_touched, "ego", f"drives through a {box.id} without a contact")
-    covered = float(np.linalg.norm(states[-1].poses[0, :2] - states[0].poses[0, :2]))
+    covered_m = float(np.linalg.norm(states[-1].poses[0, :2] - states[0].poses[0, :2]))
     message = (
-        f"covers {covered:.0f} m through a {box.id} in 3 s at 8 m/s: a contact must not stop it"
+        f"covers {covered_m:.0f} m through a {box.id} in 3 s at 8 m/s: a contact must not stop it"
     )
-    probe.findings.expect(covered > 18.0, "ego", message)
+    probe.findings.expect(covered_m > 18.0, "ego", message)

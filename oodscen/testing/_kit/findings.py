@@ -50,33 +50,34 @@ class PartResult(NamedTuple):
 
 
 def _line(part: str, group: list[Finding]) -> str:
+    """Return findings that are alike in words, with the number and the names of their subjects."""
     subjects = list(dict.fromkeys(finding.subject for finding in group if finding.subject))
     message = group[0].message
     if not subjects:
         return f"{part}: {message}"
     if len(subjects) == 1:
         return f"{part}: {subjects[0]}: {message}"
-    words = [subject.partition(" ") for subject in subjects]
-    noun, rest = words[0][0], subjects
-    if noun in _NOUNS and all(word[0] == noun and word[2] for word in words):
-        rest, counted = [word[2] for word in words], f"{len(words)} {noun}s"
+    nouns = {subject.partition(" ")[0] for subject in subjects}
+    names = [subject.partition(" ")[2] for subject in subjects]
+    if len(nouns) == 1 and nouns <= _NOUNS and all(names):
+        counted = f"{len(names)} {nouns.pop()}s"
     else:
-        counted = f"{len(words)} times"
-    more = f" and {len(rest) - _NAMED} more" if len(rest) > _NAMED else ""
-    return f"{part}: {counted} ({', '.join(rest[:_NAMED])}{more}): {message}"
+        names, counted = subjects, f"{len(subjects)} times"
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    return f"{part}: {counted} ({', '.join(names[:_NAMED])}{more}): {message}"
 
 
 class Findings:
     """Collects findings, so that one run reports all of them."""
 
     def __init__(self) -> None:
-        self.found: list[Finding] = []
+        self.recorded: list[Finding] = []
         self.note = ""
         """The things that were left out, in words."""
 
     def add(self, subject: str, message: str) -> None:
         """Record a finding."""
-        self.found.append(Finding(subject, message))
+        self.recorded.append(Finding(subject, message))
 
     def expect(self, holds: object, subject: str, message: str) -> None:
         """Record a finding if the condition does not hold."""
@@ -93,5 +94,5 @@ class Findings:
         except BaseException as error:
             if is_interruption(error):
                 raise
-            said = " ".join(str(error).split())
-            self.add(subject, f"{type(error).__name__}: {said}" if said else type(error).__name__)
+            name, message = type(error).__name__, " ".join(str(error).split())
+            self.add(subject, f"{name}: {message}" if message else name)

@@ -83,7 +83,7 @@ class _Look(NamedTuple):
 
 def _scene(probe: Probe) -> Scene:
     """Return a scene of standing bodies on both sides, one that drives, one that walks and one that turns, if there are any."""
-    box = probe.asset_for("vehicle", "object", "work_zone")
+    box = probe.box_like
     actors = [
         probe.still(box, id=f"s{number}", ahead=ahead, offset=offset, heading=heading)
         for number, (ahead, offset, heading) in enumerate(STILL)

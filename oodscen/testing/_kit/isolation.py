@@ -36,13 +36,14 @@ NEEDS_GUARD = (
 """The finding about a script without a main guard."""
 
 _BLOCKS = 5
+"""Number of blocks into which the resets of the search for leaks are divided."""
 _SEED = 3
 
 
 def check_process(probe: Probe) -> None:
     """Check that the scenes' runs repeat in a fresh process."""
     camera = None if probe.states_only else probe.camera()
-    probe.findings.found += process_faults(probe.simulator, probe.source, probe.scenes, camera)
+    probe.findings.recorded += process_faults(probe.simulator, probe.source, probe.scenes, camera)
 
 
 def process_faults(
@@ -51,7 +52,7 @@ def process_faults(
     scenes: Sequence[Scene],
     camera: Camera | None = SMALL,
 ) -> list[Finding]:
-    """Repeat scenes in a fresh process, in another order, and return those with different results.
+    """Repeat scenes in a fresh process, backwards, and return a finding for each with another result.
 
     Args:
         simulator: An open simulator.
@@ -62,23 +63,24 @@ def process_faults(
     Raises:
         NotApplicable: If a fresh process cannot import the simulator.
     """
-    if not _travels(source):
+    if not _can_be_sent(source):
         raise NotApplicable(
             f"a fresh process cannot import {source!r}; give a class of a module of its own, or its "
             "name as module:attr"
         )
     if _is_being_imported(source):
         return [Finding("", NEEDS_GUARD)]
-    here = {scene.id: run_digest(simulator, scene, camera) for scene in scenes}
+    digests = [run_digest(simulator, scene, camera) for scene in scenes]
+    backwards = tuple(reversed(scenes))
     try:
         with Processes(1) as pool:
-            there = pool.submit(run_digests, source, tuple(scenes)[::-1], camera).result()
+            repeated = pool.submit(run_digests, source, backwards, camera).result()[::-1]
     except (BrokenExecutor, UsageError) as error:
         return [Finding("", f"the simulator does not work in a fresh process: {error}")]
     return [
-        Finding(f"scene {name}", "another result in a fresh process")
-        for name, digest in here.items()
-        if there[name] != digest
+        Finding(f"scene {scene.id}", "another result in a fresh process")
+        for scene, digest, again in zip(scenes, digests, repeated, strict=True)
+        if again != digest
     ]
 
 
@@ -92,10 +94,10 @@ def run_digest(simulator: Simulator, scene: Scene, camera: Camera | None = SMALL
 
 def run_digests(
     source: Factory | str, scenes: Sequence[Scene], camera: Camera | None = SMALL
-) -> dict[str, str]:
-    """Open a simulator and return the digest of each scene's run, by scene id."""
+) -> list[str]:
+    """Open a simulator and return the digest of each scene's run, in order."""
     with make_simulator(source) if isinstance(source, str) else source() as simulator:
-        return {scene.id: run_digest(simulator, scene, camera) for scene in scenes}
+        return [run_digest(simulator, scene, camera) for scene in scenes]
 
 
 def check_leaks(probe: Probe) -> None:
@@ -107,8 +109,7 @@ def check_leaks(probe: Probe) -> None:
 class _Usage(NamedTuple):
     """Memory, files, threads and processes that this process holds."""
 
-    memory: int
-    """Resident memory in bytes."""
+    resident_bytes: int
     files: int
     threads: int
     processes: int
@@ -125,17 +126,16 @@ def _check_resets(probe: Probe) -> None:
     peak does not affect.
     """
     with _settled_heap():
-        blocks = [_use(probe) for _ in range(_BLOCKS)][1:]
-    first, last = blocks[0], blocks[-1]
-    leaves, expect = f"{probe.resets} resets leave", probe.findings.expect
-    grown = last.memory - first.memory
-    expect(grown <= LEAK_BYTES, "", f"{leaves} {grown / 2**20:.1f} MiB of memory behind")
-    for what, limit, more in (
+        _, first, *_, last = [_least_usage(probe) for _ in range(_BLOCKS)]
+    leave, expect = f"{probe.resets} resets leave", probe.findings.expect
+    grown_bytes = last.resident_bytes - first.resident_bytes
+    expect(grown_bytes <= LEAK_BYTES, "", f"{leave} {grown_bytes / 2**20:.1f} MiB of memory behind")
+    for noun, limit, more in (
         ("open files", LEAK_FILES, last.files - first.files),
         ("threads", 0, last.threads - first.threads),
         ("processes", 0, last.processes - first.processes),
     ):
-        expect(more <= limit, "", f"{leaves} {more} {what} behind")
+        expect(more <= limit, "", f"{leave} {more} {noun} behind")
 
 
 @contextmanager
@@ -155,23 +155,23 @@ def _settled_heap() -> Iterator[None]:
             gc.unfreeze()
 
 
-def _use(probe: Probe) -> _Usage:
+def _least_usage(probe: Probe) -> _Usage:
     """Make a fifth of the resets and return the minima of what this process held meanwhile."""
-    simulator, turn, camera = probe.simulator, probe.scenes[:2], probe.camera()
-    used = []
+    simulator, scenes, camera = probe.simulator, probe.scenes[:2], probe.camera()
+    usages = []
     for index in range(max(1, probe.resets // _BLOCKS)):
-        simulator.reset(turn[index % len(turn)], index % 3)
+        simulator.reset(scenes[index % len(scenes)], index % 3)
         if index % 8 == 0:
             simulator.render(camera)
         if index % 8 == 7 or index < 2:
             gc.collect()
-            used.append(_Usage.now())
-    return _Usage(*map(min, zip(*used, strict=True)))
+            usages.append(_Usage.now())
+    return _Usage(*map(min, zip(*usages, strict=True)))
 
 
 def _check_close(probe: Probe) -> None:
     """Check that a simulator that was used and closed leaves no thread or process behind."""
-    threads, processes = set(threading.enumerate()), children()
+    threads_before, processes_before = set(threading.enumerate()), children()
     simulator = probe.factory()
     try:
         simulator.reset(probe.scenes[0], _SEED)
@@ -179,16 +179,14 @@ def _check_close(probe: Probe) -> None:
         simulator.close()
     deadline = time.monotonic() + CLOSING_S
     while True:
-        left = {thread for thread in threading.enumerate() if thread.is_alive()} - threads
-        started = children() - processes
-        if not left | started or time.monotonic() > deadline:
+        threads = {thread for thread in threading.enumerate() if thread.is_alive()} - threads_before
+        processes = children() - processes_before
+        if not threads | processes or time.monotonic() > deadline:
             break
         time.sleep(0.02)
-    expect = probe.findings.expect
-    expect(
-        not left, "", f"close leaves threads behind: {', '.join(sorted(one.name for one in left))}"
-    )
-    expect(not started, "", f"close leaves {len(started)} processes behind")
+    names = ", ".join(sorted(thread.name for thread in threads))
+    probe.findings.expect(not threads, "", f"close leaves threads behind: {names}")
+    probe.findings.expect(not processes, "", f"close leaves {len(processes)} processes behind")
 
 
 def resident_bytes() -> int:
@@ -217,7 +215,7 @@ def _is_being_imported(source: Factory | str) -> bool:
     return bool(getattr(spec, "_initializing", False))
 
 
-def _travels(source: Factory | str) -> bool:
+def _can_be_sent(source: Factory | str) -> bool:
     """Return whether a fresh process can make the same simulator."""
     if isinstance(source, str):
         return is_importable(source)

@@ -1,23 +1,23 @@
-"""Part about what is derived from poses: it does not depend on anybody's dynamics, so tolerances are small."""
+"""Part about what is derived from poses: dynamics play no part in it, so tolerances are small."""
 
 import math
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from oodscen.data._scene import Actor, Scene
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._staged_scene import StagedScene
+from oodscen.errors import OodscenError
 from oodscen.protocols import Control, Observation, State
 from oodscen.testing._kit.contact import gap_fault
 from oodscen.testing._kit.findings import NotApplicable
 from oodscen.testing._kit.probe import Probe
 from oodscen.testing._kit.samples import constantly, follow_lane
 from oodscen.testing._kit.shapes import state_faults
-
-Drive = Callable[[Observation], Control]
 
 PLACE_M = 0.05
 """Tolerance of s, t and offsets, m."""
@@ -46,6 +46,7 @@ _OBSERVED = {
 }
 """Tolerances of the observation."""
 _WINDOW_S = 0.5
+"""Time over which speeds are compared with the distance covered, s."""
 _EDGE_M = 0.3
 """Distance to a lane's edge within which its neighbours are ambiguous, m."""
 
@@ -56,24 +57,26 @@ def check_measures(probe: Probe) -> None:
     for steering, side in ((-0.1, "right"), (0.1, "left")):
         leave = constantly(Control(0.0, steering))
         _check_run(probe, probe.scene(speed=8.0), leave, f"leaving the road to the {side}")
-    bent = max(probe.catalogue.maps, key=lambda road: _bend(load_corridor(road)))
-    scene = probe.scene(road=bent, lane=bent.lanes - 1, speed=min(10.0, bent.speed_limit))
-    _check_run(probe, scene, follow_lane, f"following {bent.id}")
+    road = max(probe.catalogue.maps, key=lambda road: _sharpest_bend(load_corridor(road)))
+    scene = probe.scene(road=road, lane=road.lanes - 1, speed=min(10.0, road.speed_limit))
+    _check_run(probe, scene, follow_lane, f"following {road.id}")
     _check_wheelbase(probe)
 
 
-def _bend(road: Corridor) -> float:
-    near = (road.s >= road.start) & (road.s <= road.start + 100.0)
-    return float(np.abs(road.curvature[near]).max(initial=0.0))
+def _sharpest_bend(road: Corridor) -> float:
+    """Return the greatest curvature in the 100 m ahead of the ego's start, 1/m."""
+    is_near = (road.s >= road.start) & (road.s <= road.start + 100.0)
+    return float(np.abs(road.curvature[is_near]).max(initial=0.0))
 
 
 def _busy(probe: Probe) -> Scene:
-    """Return a scene with several bodies to measure, some to the left and some to the right."""
+    """Return a scene with bodies on both sides of the road, or with one if the simulator refuses that."""
     actors: list[Actor] = []
     for index, asset in enumerate(probe.catalogue.assets[:4]):
-        side = 3.5 if index % 2 else -3.5
+        offset_m = 3.5 if index % 2 else -3.5
+        ahead_m = 22.0 + 16.0 * index
         actors.append(
-            probe.still(asset, id=f"s{index}", ahead=22.0 + 16.0 * index, offset=side, heading=30.0)
+            probe.still(asset, id=f"s{index}", ahead=ahead_m, offset=offset_m, heading=30.0)
         )
     for name in ("follow_lane", "cross_road"):
         try:
@@ -84,96 +87,111 @@ def _busy(probe: Probe) -> Scene:
     scene = probe.scene(*actors, road=probe.widest, speed=9.0)
     try:
         probe.simulator.reset(scene, 0)
-    except Exception:
+    except OodscenError:
         return probe.scene(probe.still(probe.catalogue.assets[0], ahead=25.0, offset=0.4))
     return scene
 
 
 def _weave(observation: Observation) -> Control:
-    slow = -2.0 if observation.time > 2.0 else 0.3
-    return Control(slow, 0.03 if math.sin(3.0 * observation.time) > 0.0 else -0.03)
+    acceleration = -2.0 if observation.time > 2.0 else 0.3
+    steering = 0.03 if math.sin(3.0 * observation.time) > 0.0 else -0.03
+    return Control(acceleration, steering)
 
 
-def _check_run(probe: Probe, scene: Scene, control: Drive, what: str) -> None:
-    steps = round(5.0 / probe.simulator.dt)
-    staged, findings = probe.staged(scene), probe.findings
+def _check_run(
+    probe: Probe, scene: Scene, control: Callable[[Observation], Control], subject: str
+) -> None:
+    """Run a scene for 5 s and check all measures in its states and observations."""
+    dt, findings = probe.simulator.dt, probe.findings
     states: list[State] = []
-    seen: list[Observation] = []
-    for state in probe.states(scene, control, steps=steps):
-        for fault in state_faults(scene, state, len(states), probe.simulator.dt):
-            findings.add(what, fault)
+    observations: list[Observation] = []
+    for state in probe.states(scene, control, steps=round(5.0 / dt)):
+        for fault in state_faults(scene, state, len(states), dt):
+            findings.add(subject, fault)
             return
         states.append(state)
-        seen.append(probe.simulator.observe())
-    fault = gap_fault(states, scene, probe.catalogue)
-    findings.expect(not fault, what, fault)
-    for one in (
-        _places(staged, states),
-        _accelerations(states, probe.simulator.dt),
-        _speeds(scene, states, probe.simulator.dt),
-        _heights(staged, states),
-        _off_road(staged, states),
-        *_observations(staged, states, seen),
+        observations.append(probe.simulator.observe())
+    staged = probe.staged(scene)
+    for fault in (
+        gap_fault(states, scene, probe.catalogue),
+        _place_fault(staged, states),
+        _acceleration_fault(states, dt),
+        _speed_fault(scene, states, dt),
+        _height_fault(staged, states),
+        _off_road_fault(staged, states),
+        *_observation_faults(staged, states, observations),
     ):
-        findings.expect(not one, what, one)
+        findings.expect(not fault, subject, fault)
 
 
-def _places(staged: StagedScene, states: Sequence[State]) -> str:
+def _largest(errors: NDArray[np.float64]) -> tuple[int, ...]:
+    """Return the index of the largest error; NaN is larger than any number."""
+    index = int(np.where(np.isnan(errors), np.inf, errors).argmax())
+    return tuple(map(int, np.unravel_index(index, errors.shape)))
+
+
+def _place_fault(staged: StagedScene, states: Sequence[State]) -> str:
     for state in states:
         if state.places is None:
             return ""
-        apart = np.abs(staged.places(state.poses) - state.places)
-        if not apart.max() <= PLACE_M:
-            row, column = np.unravel_index(int(np.nanargmax(apart)), apart.shape)
+        expected = staged.places(state.poses)
+        errors = np.abs(expected - state.places)
+        row, column = _largest(errors)
+        if not errors[row, column] <= PLACE_M:
             return (
                 f"places: {'st'[column]} of {state.ids[row]!r} is {state.places[row, column]:.2f} m, by "
-                f"its pose {staged.places(state.poses)[row, column]:.2f} m"
+                f"its pose {expected[row, column]:.2f} m"
             )
     return ""
 
 
-def _accelerations(states: Sequence[State], dt: float) -> str:
+def _acceleration_fault(states: Sequence[State], dt: float) -> str:
     for before, state in pairwise(states[1:]):
         if state.accelerations is None:
             return ""
-        wanted = (state.speeds - before.speeds) / dt
-        apart = np.abs(state.accelerations - wanted)
-        if not apart.max() <= ACCELERATION:
-            row = int(np.nanargmax(apart))
+        expected = (state.speeds - before.speeds) / dt
+        errors = np.abs(state.accelerations - expected)
+        (row,) = _largest(errors)
+        if not errors[row] <= ACCELERATION:
             return (
                 f"accelerations: {state.accelerations[row]:.2f} m/s^2 for {state.ids[row]!r}, by its "
-                f"change of speed {wanted[row]:.2f}"
+                f"change of speed {expected[row]:.2f}"
             )
     return ""
 
 
-def _speeds(scene: Scene, states: Sequence[State], dt: float) -> str:
-    """Compare speeds with the way along the heading, and the ego's yaw with its direction of travel."""
+def _speed_fault(scene: Scene, states: Sequence[State], dt: float) -> str:
+    """Compare speeds with the motion along the heading, and headings with the direction of travel.
+
+    Of the actors, only those that follow their lane or stand are compared.
+    """
     window = max(1, round(_WINDOW_S / dt))
-    apart = {actor.id for actor in scene.actors if actor.behaviour.name != "follow_lane"}
+    may_slide = {actor.id for actor in scene.actors if actor.behaviour.name != "follow_lane"}
     for first, last in zip(states, states[window:], strict=False):
-        part = states[first.step : last.step + 1]
+        reported = np.mean([state.speeds for state in states[first.step : last.step + 1]], axis=0)
         for row, name in enumerate(first.ids):
-            if name in apart and not np.allclose(first.poses[row], last.poses[row]):
+            start, end = first.poses[row], last.poses[row]
+            if name in may_slide and not np.allclose(start, end):
                 continue
-            yaw = 0.5 * (first.poses[row, 3] + last.poses[row, 3])
-            if abs(first.poses[row, 3] - last.poses[row, 3]) > math.pi:
+            if abs(start[3] - end[3]) > math.pi:
                 continue
-            way = last.poses[row, :2] - first.poses[row, :2]
-            along = float(way @ (math.cos(yaw), math.sin(yaw))) / (window * dt)
-            across = float(way @ (-math.sin(yaw), math.cos(yaw))) / (window * dt)
-            told = float(np.mean([state.speeds[row] for state in part]))
+            yaw = 0.5 * (start[3] + end[3])
+            velocity = (end[:2] - start[:2]) / (window * dt)
+            along = float(velocity @ (math.cos(yaw), math.sin(yaw)))
+            across = float(velocity @ (-math.sin(yaw), math.cos(yaw)))
             if abs(along) > 2.0 and abs(math.degrees(math.atan2(across, abs(along)))) > YAW_DEG:
-                turn = math.degrees(math.atan2(across, along))
-                return f"the yaw of {name!r} is {turn:.0f} degrees from its direction of travel"
-            if not abs(along - told) <= SPEED + 0.1 * abs(told):
+                turn_deg = math.degrees(math.atan2(across, along))
+                return f"the yaw of {name!r} is {turn_deg:.0f} degrees from its direction of travel"
+            speed = float(reported[row])
+            if not abs(along - speed) <= SPEED + 0.1 * abs(speed):
                 return (
-                    f"speeds: {told:.1f} m/s for {name!r}, which covers {along:.1f} m in a second"
+                    f"speeds: {speed:.1f} m/s for {name!r}, which covers {along:.1f} m in a second"
                 )
     return ""
 
 
-def _heights(staged: StagedScene, states: Sequence[State]) -> str:
+def _height_fault(staged: StagedScene, states: Sequence[State]) -> str:
+    """Compare the heights at the start and at the end with the road's."""
     for state in (states[0], states[-1]):
         for row, (x, y, z, _) in enumerate(state.poses.tolist()):
             ground = staged.corridor.point(*staged.corridor.locate(x, y))[2]
@@ -182,61 +200,67 @@ def _heights(staged: StagedScene, states: Sequence[State]) -> str:
     return ""
 
 
-def _off_road(staged: StagedScene, states: Sequence[State]) -> str:
+def _off_road_fault(staged: StagedScene, states: Sequence[State]) -> str:
     """Compare with the library's measure, except within a step of a change."""
-    wanted = [staged.off_road(state.poses) for state in states]
-    for index in range(1, len(states) - 1):
-        near = wanted[index - 1 : index + 2]
-        if all(one == near[0] for one in near) and states[index].off_road != near[0]:
-            words = "False beside" if near[0] else "True on"
-            return f"off_road is {words} the road at {states[index].time:.2f} s"
+    expected = [staged.off_road(state.poses) for state in states]
+    for index, state in enumerate(states[:-1]):
+        around = set(expected[max(0, index - 1) : index + 2])
+        if len(around) == 1 and state.off_road not in around:
+            words = "True on" if state.off_road else "False beside"
+            return f"off_road is {words} the road at {state.time:.2f} s"
     return ""
 
 
-def _observations(
-    staged: StagedScene, states: Sequence[State], seen: Sequence[Observation]
+def _observation_faults(
+    staged: StagedScene, states: Sequence[State], observations: Sequence[Observation]
 ) -> list[str]:
     """Return the observation's members that differ from the library's, each once."""
     faults: dict[str, str] = {}
-    for state, observation in zip(states, seen, strict=True):
-        wanted = staged.observation(state)
+    for state, observation in zip(states, observations, strict=True):
+        expected = staged.observation(state)
+        is_at_edge = _is_at_edge(staged, state)
         for name, tolerance in _OBSERVED.items():
-            one, other = getattr(observation, name), getattr(wanted, name)
-            if name in faults or (
-                name in ("lane_left_m", "lane_right_m") and _is_at_edge(staged, state)
-            ):
+            if name in faults or (is_at_edge and name in ("lane_left_m", "lane_right_m")):
                 continue
-            if one is None and other is None:
-                continue
-            relative = 0.1 * abs(other) if other is not None and name == "curve_speed" else 0.0
-            if one is None or other is None or not abs(one - other) <= tolerance + relative:
-                shown = [f"{value:.3f}" if value is not None else "None" for value in (one, other)]
+            pair = (getattr(observation, name), getattr(expected, name))
+            if not _agree(*pair, tolerance, 0.1 if name == "curve_speed" else 0.0):
+                shown = ["None" if value is None else f"{value:.3f}" for value in pair]
                 faults[name] = f"observation: {name} is {shown[0]}, by the state {shown[1]}"
     return list(faults.values())
 
 
+def _agree(
+    observed: float | None, expected: float | None, absolute: float, relative: float
+) -> bool:
+    """Return whether two values, which may be missing, agree within tolerances."""
+    if observed is None or expected is None:
+        return observed is expected
+    return abs(observed - expected) <= absolute + relative * abs(expected)
+
+
 def _is_at_edge(staged: StagedScene, state: State) -> bool:
-    s, t = staged.places(state.poses)[0]
+    """Return whether the ego's centre is so near a lane's edge that its neighbours are ambiguous."""
+    s, t = map(float, staged.places(state.poses)[0])
     road = staged.corridor
-    edges = [edge for strip in road.driving for edge in road.edges(strip, float(s))]
-    return min(abs(edge - float(t)) for edge in edges) < _EDGE_M
+    edges = [edge for strip in road.driving for edge in road.edges(strip, s)]
+    return min(abs(edge - t) for edge in edges) < _EDGE_M
 
 
 def _check_wheelbase(probe: Probe) -> None:
     """Compare the observed wheelbase with the one that the ego's turning at low speed implies."""
     steering = 0.15
-    turning, steps = constantly(Control(0.0, steering)), round(1.5 / probe.simulator.dt)
-    states = probe.run(probe.scene(speed=4.0), turning, steps=steps)
-    half = len(states) // 2
-    turn = math.remainder(float(states[-1].poses[0, 3] - states[half].poses[0, 3]), math.tau)
-    way = sum(math.dist(a.poses[0, :2], b.poses[0, :2]) for a, b in pairwise(states[half:]))
-    if turn <= 1e-3 or way <= 1e-3:
+    steps = round(1.5 / probe.simulator.dt)
+    states = probe.run(probe.scene(speed=4.0), constantly(Control(0.0, steering)), steps=steps)
+    poses = np.stack([state.poses[0] for state in states[len(states) // 2 :]])
+    turn = math.remainder(float(poses[-1, 3] - poses[0, 3]), math.tau)
+    covered_m = float(np.linalg.norm(np.diff(poses[:, :2], axis=0), axis=1).sum())
+    if turn <= 1e-3 or covered_m <= 1e-3:
         probe.findings.add("", "the ego does not turn when it steers left")
         return
-    implied = 2.0 * math.sin(math.atan(0.5 * math.tan(steering))) * way / turn
-    told = probe.simulator.observe().wheelbase
-    if not abs(told - implied) <= WHEELBASE * implied:
+    implied = 2.0 * math.sin(math.atan(0.5 * math.tan(steering))) * covered_m / turn
+    observed = probe.simulator.observe().wheelbase
+    if not abs(observed - implied) <= WHEELBASE * implied:
         message = (
-            f"observation: wheelbase is {told:.2f} m, but the ego turns as with {implied:.2f} m"
+            f"observation: wheelbase is {observed:.2f} m, but the ego turns as with {implied:.2f} m"
         )
         probe.findings.add("", message)

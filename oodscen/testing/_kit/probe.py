@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
 
+import numpy as np
+
 from oodscen.data._catalogue import Asset, Catalogue, RoadMap
 from oodscen.data._category import Category
 from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger, Weather
@@ -62,6 +64,15 @@ class Probe:
         """The map with the most lanes."""
         return max(self.catalogue.maps, key=lambda road: road.lanes + road.oncoming_lanes)
 
+    @property
+    def box_like(self) -> Asset:
+        """An asset whose shape is nearly its box.
+
+        Raises:
+            NotApplicable: If there is none.
+        """
+        return self.asset_for("vehicle", "object", "work_zone")
+
     def camera(self, width: int = 160, height: int = 120) -> Camera:
         """Return the camera of the simulator's kind; one above the ego is near enough for small pictures."""
         if self.is_top:
@@ -85,7 +96,7 @@ class Probe:
         return StagedScene(scene, self.catalogue, 0, dt=self.simulator.dt)
 
     def asset_for(self, *categories: Category) -> Asset:
-        """Return the first asset of some categories that blocks the way, or the first of any.
+        """Return the first asset that blocks the way, of the first category that has one.
 
         Raises:
             NotApplicable: If there is none.
@@ -114,16 +125,22 @@ class Probe:
         kinds = {kind.id: kind for kind in self.catalogue.behaviours}
         if name not in kinds:
             raise NotApplicable(f"the catalogue has no behaviour {name!r}")
-        does = Behaviour(name=name, trigger=trigger, parameters=dict(parameters))
+        behaviour = Behaviour(name=name, trigger=trigger, parameters=dict(parameters))
         asset = self.asset_for(*kinds[name].categories)
-        return self.acting(asset, does, id=id, ahead=ahead, lane=lane)
+        return self.acting(asset, behaviour, id=id, ahead=ahead, lane=lane)
 
     def acting(
-        self, asset: Asset, does: Behaviour, *, id: str = "a", ahead: float = 35.0, lane: int = 0
+        self,
+        asset: Asset,
+        behaviour: Behaviour,
+        *,
+        id: str = "a",
+        ahead: float = 35.0,
+        lane: int = 0,
     ) -> Actor:
         """Return an asset with a behaviour in the middle of a lane."""
-        place = Placement(ahead_m=ahead, lane=lane)
-        return Actor(id=id, asset=asset.id, placement=place, behaviour=does)
+        placement = Placement(ahead_m=ahead, lane=lane)
+        return Actor(id=id, asset=asset.id, placement=placement, behaviour=behaviour)
 
     def still(
         self,
@@ -135,8 +152,8 @@ class Probe:
         heading: float = 0.0,
     ) -> Actor:
         """Return an asset that stands."""
-        place = Placement(ahead_m=ahead, offset_m=offset, heading_deg=heading)
-        return Actor(id=id, asset=asset.id, placement=place)
+        placement = Placement(ahead_m=ahead, offset_m=offset, heading_deg=heading)
+        return Actor(id=id, asset=asset.id, placement=placement)
 
     def states(
         self,
@@ -169,7 +186,6 @@ def clear_day(catalogue: Catalogue) -> Weather:
 def is_straight(road: RoadMap) -> bool:
     """Return whether the first 200 m of a road are straight and level."""
     corridor = load_corridor(road)
-    near = (corridor.s >= corridor.start - 20.0) & (corridor.s <= corridor.start + 200.0)
-    heights = corridor.z[near]
-    bends = abs(corridor.curvature[near]).max(initial=0.0)
-    return bool(bends < 1e-4 and heights.max() - heights.min() < 0.2)
+    is_near = (corridor.s >= corridor.start - 20.0) & (corridor.s <= corridor.start + 200.0)
+    curvature = abs(corridor.curvature[is_near]).max(initial=0.0)
+    return bool(curvature < 1e-4 and np.ptp(corridor.z[is_near]) < 0.2)

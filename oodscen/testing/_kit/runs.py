@@ -10,11 +10,11 @@ from oodscen.testing._kit.samples import constantly, run_bytes
 
 _STEPS = 60
 """Steps of the runs that are restored."""
-_KEPT = (5, 30)
+_SAVED = (5, 30)
 """Steps at which snapshots are taken."""
 _RESTORED = (5, 30, 5)
 """Steps whose snapshots are restored, in this order."""
-_AGREEING = 1e-6
+_TOLERANCE = 1e-6
 """Largest difference between an observation and the state that it shows."""
 
 
@@ -23,14 +23,16 @@ def check_determinism(probe: Probe) -> None:
     camera = None if probe.states_only else probe.camera()
     first = [run_bytes(probe.simulator, scene, camera, seed=3) for scene in probe.scenes]
     with probe.factory() as other:
-        for scene, expected in list(zip(probe.scenes, first, strict=True))[::-1]:
+        for scene, expected in reversed(list(zip(probe.scenes, first, strict=True))):
             again = run_bytes(probe.simulator, scene, camera, seed=3)
             fresh = run_bytes(other, scene, camera, seed=3)
-            what = f"scene {scene.id}"
+            subject = f"scene {scene.id}"
             probe.findings.expect(
-                again == expected, what, "another result after other scenes had run"
+                again == expected, subject, "another result after other scenes had run"
             )
-            probe.findings.expect(fresh == expected, what, "another result from a fresh simulator")
+            probe.findings.expect(
+                fresh == expected, subject, "another result from a fresh simulator"
+            )
 
 
 def check_controls(probe: Probe) -> None:
@@ -47,8 +49,8 @@ def check_controls(probe: Probe) -> None:
         ends[name] = probe.simulator.observe()
         speed = float(state.speeds[0])
         agrees = (
-            abs(ends[name].speed - speed) < _AGREEING
-            and abs(ends[name].time - state.time) < _AGREEING
+            abs(ends[name].speed - speed) < _TOLERANCE
+            and abs(ends[name].time - state.time) < _TOLERANCE
         )
         probe.findings.expect(agrees, "", f"after {name} observation and state disagree")
     faster = ends["accelerating"].speed > ends["coasting"].speed > ends["braking"].speed
@@ -72,25 +74,24 @@ def check_snapshot(probe: Probe) -> None:
     scenes = [*probe.scenes[:1], *_triggered_scenes(probe)]
     for scene in scenes:
         simulator.reset(scene, 1)
-        kept, states = {}, []
+        snapshots, states = {}, []
         for step in range(_STEPS):
-            if step in _KEPT:
-                kept[step] = simulator.snapshot()
+            if step in _SAVED:
+                snapshots[step] = simulator.snapshot()
             states.append(simulator.step(_weaving(step)).fingerprint())
         for step in _RESTORED:
-            simulator.restore(kept[step])
-            rest = range(step, _STEPS)
-            after = [simulator.step(_weaving(later)).fingerprint() for later in rest]
-            is_same = after == states[step:]
-            what = "what follows a restored snapshot differs"
-            probe.findings.expect(is_same, f"scene {scene.id}", what)
-            if not is_same:
+            simulator.restore(snapshots[step])
+            repeated = [
+                simulator.step(_weaving(later)).fingerprint() for later in range(step, _STEPS)
+            ]
+            if repeated != states[step:]:
+                probe.findings.add(f"scene {scene.id}", "what follows a restored snapshot differs")
                 break
         simulator.reset(scene, 1)
-        began = simulator.snapshot()
+        start = simulator.snapshot()
         for step in range(10):
             simulator.step(_weaving(step))
-        state = simulator.restore(began)
+        state = simulator.restore(start)
         at_start = getattr(state, "step", None) == 0
         probe.findings.expect(at_start, "", "restore() does not return the restored state")
 

@@ -36,16 +36,20 @@ def sample_scene(
 
 
 def plain_scene(catalogue: Catalogue, road: RoadMap, weather: Weather | None = None) -> Scene:
-    """Return a scene with a moving actor, if the catalogue has one."""
+    """Return a scene with up to three moving actors, as far as the catalogue has them."""
     kinds = {kind.id: kind for kind in catalogue.behaviours}
     actors = []
     for index, name in enumerate(("follow_lane", "wobble", "cross_road")):
         categories = kinds[name].categories if name in kinds else ()
-        asset = next((one for one in catalogue.assets if one.category in categories), None)
-        if asset is not None:
-            place, does = Placement(ahead_m=25.0 + 20.0 * index), Behaviour(name=name)
-            own_id = name.replace("_", "-")
-            actors.append(Actor(id=own_id, asset=asset.id, placement=place, behaviour=does))
+        assets = [asset for asset in catalogue.assets if asset.category in categories]
+        if assets:
+            actor = Actor(
+                id=name.replace("_", "-"),
+                asset=assets[0].id,
+                placement=Placement(ahead_m=25.0 + 20.0 * index),
+                behaviour=Behaviour(name=name),
+            )
+            actors.append(actor)
     scene = sample_scene(road, tuple(actors), weather=weather)
     return scene.model_copy(update={"id": f"check-{road.id}"})
 
@@ -71,8 +75,8 @@ def run_bytes(
     Raises:
         SimulatorError: If the simulator changes the scene.
     """
-    with scene_copy(scene, simulator.name) as given:
-        trace = [simulator.reset(given, seed).fingerprint()]
+    with scene_copy(scene, simulator.name) as copy:
+        trace = [simulator.reset(copy, seed).fingerprint()]
         trace += frame_bytes(simulator.render(camera)) if camera else []
         for step in range(STEPS):
             control = Control(0.5 if step < 20 else -3.0, 0.01 if step % 8 < 4 else -0.01)

@@ -1,4 +1,4 @@
-"""Shapes, types and ranges of what a simulator returns."""
+"""The form of states and frames, and the places of bodies in frames."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -12,8 +12,9 @@ from oodscen.driving._sight.visibility import Eye, UprightBox, area, clipped
 from oodscen.protocols import Camera, Frame, State
 
 INSIDE = 0.9
-"""Least share of a body's pixels within its box's silhouette, which is widened by `MARGIN_PX`."""
+"""Least share of a body's pixels within its box's silhouette and its margin."""
 MARGIN_PX = 3.0
+"""Width of the margin around a silhouette in which a body's pixels may be."""
 EXTENT = 0.55
 """Least extent of a box-like body's pixels across and down, as a share of its silhouette's."""
 LEAST_PX = 30
@@ -44,10 +45,9 @@ def state_faults(scene: Scene, state: State, step: int, dt: float) -> Iterator[s
                 is_formed = False
                 yield f"{name} is None"
             continue
-        if np.shape(array) != shape or np.asarray(array).dtype != np.float64:
+        if fault := _array_fault(array, shape, np.float64):
             is_formed = False
-            kind = getattr(array, "dtype", type(array).__name__)
-            yield f"{name} is {kind} {np.shape(array)}, not float64 {shape}"
+            yield f"{name} is {fault}"
     if not is_formed:
         return
     if not (np.isfinite(state.poses).all() and np.isfinite(state.speeds).all()):
@@ -62,6 +62,16 @@ def state_faults(scene: Scene, state: State, step: int, dt: float) -> Iterator[s
         yield f"time is {state.time} after {step} steps"
 
 
+def _array_fault(array: object, shape: tuple[int, ...], dtype: type[np.generic]) -> str:
+    """Return how an array differs from a shape and type, or an empty string."""
+    expected = f"{np.dtype(dtype)} {shape}"
+    if not isinstance(array, np.ndarray):
+        return f"a {type(array).__name__}, not {expected}"
+    if array.shape != shape or array.dtype != dtype:
+        return f"{array.dtype} {array.shape}, not {expected}"
+    return ""
+
+
 def frame_faults(frame: Frame, camera: Camera, bodies: int) -> Iterator[str]:
     """Yield what is wrong with the form of a picture of a scene with some bodies, the ego included."""
     size = (camera.height, camera.width)
@@ -73,9 +83,9 @@ def frame_faults(frame: Frame, camera: Camera, bodies: int) -> Iterator[str]:
         ("ids", frame.ids, size, np.int32),
         ("tags", tags, size, np.uint8),
     ):
-        if np.shape(array) != shape or np.asarray(array).dtype != kind:
+        if fault := _array_fault(array, shape, kind):
             is_formed = False
-            yield f"{name} is {array.dtype} {array.shape}, not {np.dtype(kind)} {shape}"
+            yield f"{name} is {fault}"
     if not is_formed:
         return
     colours = colour_count(frame.rgb)
@@ -92,8 +102,8 @@ def frame_faults(frame: Frame, camera: Camera, bodies: int) -> Iterator[str]:
     if tags[frame.ids > 0].any():
         yield "tags must be 0 at the pixels of bodies"
     if frame.unhidden is not None:
-        counts = np.bincount(frame.ids.ravel(), minlength=bodies + 1)[1 : bodies + 1]
-        if frame.unhidden.shape != (bodies,) or not (frame.unhidden >= counts).all():
+        visible = [int((frame.ids == row).sum()) for row in range(1, bodies + 1)]
+        if np.shape(frame.unhidden) != (bodies,) or not np.all(frame.unhidden >= np.array(visible)):
             yield "unhidden must count at least the visible pixels of each body"
 
 
@@ -119,11 +129,12 @@ def place_faults(
         if share_inside(mask, outline, MARGIN_PX) < INSIDE:
             faults.append(f"shows {body.id!r} beside its place or too large")
             continue
-        for name, places, wanted in (
-            ("wide", np.nonzero(mask)[1], [u for u, _ in shown]),
-            ("high", np.nonzero(mask)[0], [v for _, v in shown]),
+        rows, columns = np.nonzero(mask)
+        for name, pixels, silhouette in (
+            ("wide", columns, [u for u, _ in shown]),
+            ("high", rows, [v for _, v in shown]),
         ):
-            extent, full = float(np.ptp(places)) + 1.0, max(wanted) - min(wanted)
+            extent, full = float(np.ptp(pixels)) + 1.0, max(silhouette) - min(silhouette)
             if drawn is None and extent < EXTENT * full - 2.0:
                 faults.append(f"shows {body.id!r} {extent:.0f} pixels {name}, not {full:.0f}")
                 break
@@ -139,18 +150,20 @@ def place_faults(
 def share_inside(
     mask: NDArray[np.bool_], outline: Sequence[tuple[float, float]], margin_px: float
 ) -> float:
-    """Return the share of a body's pixels within the bounds of an outline, widened by a margin."""
+    """Return the share of a body's pixels within the bounds of an outline and a margin; 0 if either is empty."""
     rows, columns = np.nonzero(mask)
+    if not len(rows) or not outline:
+        return 0.0
     us, vs = zip(*outline, strict=True)
     inside = (columns + 1.0 > min(us) - margin_px) & (columns < max(us) + margin_px)
     inside &= (rows + 1.0 > min(vs) - margin_px) & (rows < max(vs) + margin_px)
-    return float(inside.mean()) if len(rows) else 0.0
+    return float(inside.mean())
 
 
 def depths(eye: Eye, body: UprightBox) -> tuple[float, float]:
     """Return the least and the greatest depth of a body's corners, m."""
-    found = [eye.to_camera(corner)[2] for corner in body.corners()]
-    return min(found), max(found)
+    corners = [eye.to_camera(corner)[2] for corner in body.corners()]
+    return min(corners), max(corners)
 
 
 def colour_count(rgb: NDArray[np.uint8]) -> int:

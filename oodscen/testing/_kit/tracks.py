@@ -43,11 +43,12 @@ class Tracks:
     def onset(self, row: int) -> float | None:
         """Return the time at which a body leaves its initial uniform motion, s."""
         first, speed = self.poses[0, row], self.speeds[0, row]
-        time = self.dt * np.arange(len(self.poses))
-        ahead = np.stack([np.cos(first[3]), np.sin(first[3])]) * speed
-        away = np.linalg.norm(self.poses[:, row, :2] - first[:2] - time[:, None] * ahead, axis=1)
-        off = np.flatnonzero(away > _STRAY_M)
-        return float(time[off[0]]) if len(off) else None
+        times = self.dt * np.arange(len(self.poses))
+        velocity = np.stack([np.cos(first[3]), np.sin(first[3])]) * speed
+        uniform = first[:2] + times[:, None] * velocity
+        offsets = np.linalg.norm(self.poses[:, row, :2] - uniform, axis=1)
+        strayed = np.flatnonzero(offsets > _STRAY_M)
+        return float(times[strayed[0]]) if len(strayed) else None
 
 
 def run_both(
@@ -66,28 +67,28 @@ def run_both(
     )
     poses, speeds = [world.poses()], [world.speeds()]
     for step in range(steps):
-        given = control(step * dt)
-        states.append(probe.simulator.step(given))
-        world.step(given)
+        command = control(step * dt)
+        states.append(probe.simulator.step(command))
+        world.step(command)
         poses.append(world.poses())
         speeds.append(world.speeds())
     return Tracks.of(states, dt), Tracks(dt, np.stack(poses), np.stack(speeds))
 
 
-def start_fault(found: Tracks, reference: Tracks, row: int) -> str:
+def start_fault(tracks: Tracks, reference: Tracks, row: int) -> str:
     """Return how a body's start differs from the reference world's; empty if it does not."""
-    apart = float(np.linalg.norm(found.poses[0, row, :2] - reference.poses[0, row, :2]))
-    if not apart <= START_M:
-        return f"starts {apart:.1f} m from its place"
-    turn = turned_by(float(found.poses[0, row, 3]), float(reference.poses[0, row, 3]))
-    if not abs(turn) <= START_DEG:
-        return f"starts with a heading {turn:.0f} degrees off"
-    told, wanted = float(found.speeds[0, row]), float(reference.speeds[0, row])
-    if not abs(told - wanted) <= START_SPEED:
-        return f"starts at {told:.1f} m/s, not {wanted:.1f}"
+    offset_m = float(np.linalg.norm(tracks.poses[0, row, :2] - reference.poses[0, row, :2]))
+    if not offset_m <= START_M:
+        return f"starts {offset_m:.1f} m from its place"
+    turn_deg = turned_by(float(tracks.poses[0, row, 3]), float(reference.poses[0, row, 3]))
+    if not abs(turn_deg) <= START_DEG:
+        return f"starts with a heading {turn_deg:.0f} degrees off"
+    speed, expected = float(tracks.speeds[0, row]), float(reference.speeds[0, row])
+    if not abs(speed - expected) <= START_SPEED:
+        return f"starts at {speed:.1f} m/s, not {expected:.1f}"
     return ""
 
 
-def turned_by(found: float, reference: float) -> float:
-    """Return by how much a heading is off, degrees."""
-    return math.degrees(math.remainder(found - reference, math.tau))
+def turned_by(heading: float, reference: float) -> float:
+    """Return the turn from a reference heading to another, both in rad, in degrees."""
+    return math.degrees(math.remainder(heading - reference, math.tau))

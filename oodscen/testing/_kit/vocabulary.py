@@ -17,9 +17,12 @@ from oodscen.testing._kit.probe import SOON, Probe
 from oodscen.testing._kit.samples import follow_lane
 from oodscen.testing._kit.shapes import state_faults
 
+_FIRST_M = 12.0
+"""Distance from the ego at which the first of many assets is placed, m."""
+
 
 def check_catalogue(probe: Probe) -> None:
-    """Check that the catalogue is static data without duplicates, and that its weather has a clear day."""
+    """Check that the catalogue is static data without duplicates, and that its entries refer to each other."""
     catalogue, findings = probe.catalogue, probe.findings
     findings.expect(
         probe.simulator.catalogue() == catalogue, "", "differs from one call to the next"
@@ -35,18 +38,18 @@ def check_catalogue(probe: Probe) -> None:
             findings.add(f"{noun} {name}", "occurs more than once")
     for kind in catalogue.behaviours:
         if kind.built_in not in BUILT_IN:
-            what = "is not a built-in behaviour, and `like` names none that stands in for it"
-            findings.add(f"behaviour {kind.id}", what)
+            message = "is not a built-in behaviour, and `like` names none that stands in for it"
+            findings.add(f"behaviour {kind.id}", message)
         for name, parameter in kind.parameters.items():
             inside = parameter.minimum <= parameter.default <= parameter.maximum
             findings.expect(
                 inside, f"behaviour {kind.id}", f"the default of {name} is out of range"
             )
     kinds = catalogue.details or DetailKinds()
-    known = {pose.id for pose in kinds.poses} | {part.id for part in kinds.parts}
+    details = {pose.id for pose in kinds.poses} | {part.id for part in kinds.parts}
     for asset in catalogue.assets:
         offers = asset.offers or AssetDetails()
-        for name in sorted({*offers.poses, *offers.parts} - known):
+        for name in sorted({*offers.poses, *offers.parts} - details):
             findings.add(
                 f"asset {asset.id}", f"offers {name!r}, which the catalogue's details lack"
             )
@@ -60,40 +63,41 @@ def check_maps(probe: Probe) -> None:
 
 
 def _check_map(probe: Probe, road: RoadMap) -> None:
-    corridor, findings, where = load_corridor(road), probe.findings, f"map {road.id}"
+    """Check a map's numbers of lanes, its length and its shoulder, and drive all its lanes."""
+    corridor, findings, subject = load_corridor(road), probe.findings, f"map {road.id}"
     ego_lanes = len(corridor.ego_lanes)
     oncoming = len(corridor.driving) - ego_lanes
     ahead = corridor.length - corridor.start
     has_shoulder = any(strip.kind == "shoulder" for strip in corridor.strips)
-    findings.expect(ego_lanes == road.lanes, where, f"has {ego_lanes} lanes, not {road.lanes}")
+    findings.expect(ego_lanes == road.lanes, subject, f"has {ego_lanes} lanes, not {road.lanes}")
     findings.expect(
         oncoming == road.oncoming_lanes,
-        where,
+        subject,
         f"has {oncoming} oncoming lanes, not {road.oncoming_lanes}",
     )
-    findings.expect(ahead >= road.length_m, where, f"only {ahead:.0f} m lie ahead of the start")
+    findings.expect(ahead >= road.length_m, subject, f"only {ahead:.0f} m lie ahead of the start")
     findings.expect(
-        not road.has_shoulder or has_shoulder, where, "says it has a shoulder, has none"
+        not road.has_shoulder or has_shoulder, subject, "says it has a shoulder, has none"
     )
     for lane in range(ego_lanes):
-        drive(probe, probe.scene(road=road, lane=lane, speed=road.speed_limit), where)
+        drive(probe, probe.scene(road=road, lane=lane, speed=road.speed_limit), subject)
 
 
 def check_assets(probe: Probe) -> None:
     """Check that every asset can be placed, in every state."""
     catalogue = probe.catalogue
     road = max(catalogue.maps, key=lambda road: road.length_m)
-    wanted = [(asset, state) for asset in catalogue.assets for state in (asset.states or ("",))]
+    pairs = [(asset, state) for asset in catalogue.assets for state in (asset.states or ("",))]
     group: list[Actor] = []
-    position, limit = 12.0, min(280.0, road.length_m - 20.0)
-    for index, (asset, state) in enumerate(wanted):
-        room = 0.5 * max(asset.length, asset.width) + 1.0
-        if position + 2.0 * room > limit and group:
+    ahead_m, limit_m = _FIRST_M, min(280.0, road.length_m - 20.0)
+    for index, (asset, state) in enumerate(pairs):
+        length_m = max(asset.length, asset.width) + 2.0
+        if ahead_m + length_m > limit_m and group:
             _reset(probe, probe.scene(*group, road=road))
-            group, position = [], 12.0
-        actor = probe.still(asset, id=f"a{index}", ahead=position + room)
+            group, ahead_m = [], _FIRST_M
+        actor = probe.still(asset, id=f"a{index}", ahead=ahead_m + 0.5 * length_m)
         group.append(actor.model_copy(update={"state": state}))
-        position += 2.0 * room
+        ahead_m += length_m
     _reset(probe, probe.scene(*group, road=road))
 
 
@@ -121,6 +125,7 @@ def check_behaviours(probe: Probe) -> None:
 
 
 def _check_behaviour(probe: Probe, kind: BehaviourKind) -> None:
+    """Run a behaviour for one asset of each of its categories."""
     assets = assets_for(probe, kind)
     probe.findings.expect(assets, f"behaviour {kind.id}", "no asset has one of its categories")
     for asset in assets:
@@ -129,9 +134,9 @@ def _check_behaviour(probe: Probe, kind: BehaviourKind) -> None:
             message = "needs a vehicle that carries, tows or owns it, and the catalogue has none"
             probe.findings.add(f"behaviour {kind.id}", message)
             return
-        what = f"behaviour {kind.id} of {asset.id}"
-        with probe.findings.trying(what):
-            drive(probe, probe.scene(*actors, road=probe.widest, speed=5.0), what)
+        subject = f"behaviour {kind.id} of {asset.id}"
+        with probe.findings.trying(subject):
+            drive(probe, probe.scene(*actors, road=probe.widest, speed=5.0), subject)
 
 
 def assets_for(probe: Probe, kind: BehaviourKind) -> list[Asset]:
@@ -151,34 +156,33 @@ def cast_for(
     parameters = {}
     if "lanes" in kind.parameters:
         parameters["lanes"] = 1.0 if len(load_corridor(probe.widest).driving) > 1 else 0.0
-    does = Behaviour(name=kind.id, trigger=SOON, parameters=parameters)
+    behaviour = Behaviour(name=kind.id, trigger=SOON, parameters=parameters)
     if not kind.needs_other:
-        return (probe.acting(asset, does, lane=lane, ahead=ahead),)
-    vehicle = next((one for one in probe.catalogue.assets if one.category == "vehicle"), None)
-    if vehicle is None:
+        return (probe.acting(asset, behaviour, lane=lane, ahead=ahead),)
+    vehicles = [vehicle for vehicle in probe.catalogue.assets if vehicle.category == "vehicle"]
+    if not vehicles:
         return None
-    tied = does.model_copy(update={"other": "owner"})
     return (
-        probe.acting(asset, tied, ahead=ahead),
-        probe.still(vehicle, id="owner", ahead=ahead + 6.0),
+        probe.acting(asset, behaviour.model_copy(update={"other": "owner"}), ahead=ahead),
+        probe.still(vehicles[0], id="owner", ahead=ahead + 6.0),
     )
 
 
-def drive(probe: Probe, scene: Scene, what: str) -> None:
+def drive(probe: Probe, scene: Scene, subject: str) -> None:
     """Run a scene for some steps and check every state."""
     states: list[State] = []
-    kept = b""
+    first = b""
     for step, state in enumerate(probe.states(scene, follow_lane)):
         states.append(state)
-        kept = kept or state.fingerprint()
+        first = first or state.fingerprint()
         faults = list(state_faults(scene, state, step, probe.simulator.dt))
         for fault in faults:
-            probe.findings.add(what, fault)
+            probe.findings.add(subject, fault)
         if faults:
             return
     fault = gap_fault(states, scene, probe.catalogue)
-    probe.findings.expect(not fault, what, fault)
-    is_kept = states[0].fingerprint() == kept
-    probe.findings.expect(is_kept, what, "a later step changed an earlier state")
-    still = all(np.array_equal(a.poses[0], b.poses[0]) for a, b in pairwise(states))
-    probe.findings.expect(not still, what, "the ego does not move")
+    probe.findings.expect(not fault, subject, fault)
+    is_unchanged = states[0].fingerprint() == first
+    probe.findings.expect(is_unchanged, subject, "a later step changed an earlier state")
+    moves = any(not np.array_equal(a.poses[0], b.poses[0]) for a, b in pairwise(states))
+    probe.findings.expect(moves, subject, "the ego does not move")

@@ -11,7 +11,14 @@ from oodscen._entry_points import names
 from oodscen._files import check_name, writing
 from oodscen.errors import UsageError
 
-_NAME = re.compile(r"[a-z][a-z0-9_]{0,40}")
+_NAME = re.compile(r"(?=.{1,41}$)[a-z][a-z0-9]*(_+[a-z0-9]+)*")
+_FILES = {
+    "README.md": "README.md",
+    "pyproject.toml": "pyproject.toml",
+    "adapter.py": "{package}/__init__.py",
+    "test_adapter.py.txt": "tests/test_{name}.py",
+}
+"""The path in the written package of each file of this folder."""
 
 
 def write_adapter(name: str, folder: str | Path = ".") -> tuple[Path, ...]:
@@ -25,13 +32,14 @@ def write_adapter(name: str, folder: str | Path = ".") -> tuple[Path, ...]:
         The written files.
 
     Raises:
-        UsageError: If `name` is not a lower-case identifier, or the package's folder exists.
+        UsageError: If `name` is not a lower-case identifier, is taken, or the package's folder exists.
         OodscenError: If the files cannot be written; what was begun is removed.
     """
     if not _NAME.fullmatch(name) or keyword.iskeyword(name):
         raise UsageError(
             f"{name[:60]!r} cannot be the name of a simulator: use at most 41 small letters, digits and "
-            "underscores after a letter, and no word of Python, e.g. my_simulator"
+            "underscores that begin with a letter and do not end with an underscore, and no word of Python, e.g. "
+            "my_simulator"
         )
     if name in names("simulator"):
         raise UsageError(f"a simulator called {name!r} is installed already; choose another name")
@@ -39,17 +47,11 @@ def write_adapter(name: str, folder: str | Path = ".") -> tuple[Path, ...]:
     target = Path(folder) / package
     check_name(target)
     camel_case = "".join(part.capitalize() for part in name.split("_"))
-    words = {
+    replacements = {
         "MySimulator": camel_case.removesuffix("Simulator") + "Simulator",
         "my_simulator": name,
         "my_package": package,
         "my-package": package.replace("_", "-"),
-    }
-    texts = {
-        "README.md": "README.md",
-        "pyproject.toml": "pyproject.toml",
-        "adapter.py": f"{package}/__init__.py",
-        "test_adapter.py.txt": f"tests/test_{name}.py",
     }
     with writing(target):
         try:
@@ -57,17 +59,20 @@ def write_adapter(name: str, folder: str | Path = ".") -> tuple[Path, ...]:
         except FileExistsError as error:
             raise UsageError(f"{target} exists already") from error
         try:
-            return tuple(_write(target / name, source, words) for source, name in texts.items())
+            return tuple(
+                _write_file(target / path.format(package=package, name=name), source, replacements)
+                for source, path in _FILES.items()
+            )
         except BaseException:
             rmtree(target, ignore_errors=True)
             raise
 
 
-def _write(path: Path, source: str, words: Mapping[str, str]) -> Path:
-    """Write a file of this folder under another name, with other words."""
+def _write_file(path: Path, source: str, replacements: Mapping[str, str]) -> Path:
+    """Write a copy of a file of this folder in which the example's names are replaced."""
     text = files("oodscen.testing._new").joinpath(source).read_text("utf-8")
-    for word, replacement in words.items():
-        text = text.replace(word, replacement)
+    names_of_example = "|".join(map(re.escape, replacements))
+    text = re.sub(names_of_example, lambda match: replacements[match[0]], text)
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, encoding="utf-8")
     return path

@@ -60,7 +60,7 @@ LISTS_BEHAVIOURS = {
     "oodscen/data/_details.py": "lies below the rows",
     "oodscen/testing/_kit/following.py": "what a probe tries in turn",
     "oodscen/testing/_kit/measures.py": "what a probe tries in turn",
-    "oodscen/testing/_kit/motion.py": "what a probe tries in turn",
+    "oodscen/testing/_kit/reactions.py": "what a probe tries in turn",
     "oodscen/testing/_kit/runs.py": "what a probe tries in turn",
     "oodscen/testing/_kit/samples.py": "what a probe tries in turn",
     "oodscen/testing/_new/adapter.py": "the vocabulary of a new adapter",

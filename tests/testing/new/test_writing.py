@@ -4,6 +4,7 @@ import ast
 import os
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -53,12 +54,28 @@ def test_the_adapter_is_short() -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["", "A", "1a", "a-b", "../a", "class", "a" * 99, "a\nb", "ä", "flat"]
+    "name",
+    ["", "A", "1a", "a-b", "../a", "class", "a" * 42, "a\n", "a\nb", "ä", "flat", "_a", "a_"],
 )
 def test_strange_names_are_refused(name, tmp_path) -> None:
     with pytest.raises(UsageError):
         write_adapter(name, tmp_path)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", ["my_package", "my_simulator", "a__b", "a" * 41])
+def test_every_name_is_that_of_the_simulator(name, tmp_path) -> None:
+    write_adapter(name, tmp_path)
+    project = (tmp_path / f"oodscen_{name}" / "pyproject.toml").read_text("utf-8")
+    ((entry, path),) = tomllib.loads(project)["project"]["entry-points"][
+        "oodscen.simulators"
+    ].items()
+    assert entry == name
+    package, _, simulator = path.partition(":")
+    assert package == f"oodscen_{name}"
+    code = (tmp_path / package / package / "__init__.py").read_text("utf-8")
+    assert f"class {simulator}(" in code
+    assert f'name = "{name}"' in code
 
 
 def test_nothing_is_overwritten(tmp_path) -> None:

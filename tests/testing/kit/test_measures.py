@@ -1,0 +1,150 @@
+"""Every measure that does not follow from the poses is found."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from oodscen.errors import SpawnError
+from oodscen.testing._check import examine_parts
+from oodscen.testing._flat import FlatSimulator
+from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
+from oodscen.testing._new.adapter import MySimulator
+
+CATALOGUE = FLAT_CATALOGUE.model_copy(
+    update={
+        "assets": tuple(map(FLAT_CATALOGUE.asset, ("car", "cyclist", "adult"))),
+        "maps": tuple(map(FLAT_CATALOGUE.map, ("residential_two_lane", "rural_curve"))),
+    }
+)
+
+
+class Few(FlatSimulator):
+    """Has few assets and maps, so that the check is quick."""
+
+    def catalogue(self):
+        return CATALOGUE
+
+
+def publishing(alter) -> type:
+    """Return a simulator whose states are altered."""
+
+    class Altered(Few):
+        def _publish(self):
+            state = super()._publish()
+            return replace(state, **alter(state))
+
+    return Altered
+
+
+def observing(**offsets: float) -> type:
+    """Return a simulator that adds offsets to members of its observation."""
+
+    class Altered(Few):
+        def observe(self):
+            observation = super().observe()
+            changes = {
+                name: offset
+                if getattr(observation, name) is None
+                else getattr(observation, name) + offset
+                for name, offset in offsets.items()
+            }
+            return replace(observation, **changes)
+
+    return Altered
+
+
+def lines(simulator: type) -> list[str]:
+    result, _ = examine_parts(simulator, parts=("measures",))
+    return result.lines()
+
+
+@pytest.mark.parametrize("simulator", [Few, MySimulator])
+def test_sound_measures_pass(simulator) -> None:
+    assert lines(simulator) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "offset"),
+    [
+        ("speed", 0.1),
+        ("offset_m", -0.1),
+        ("heading_error", 0.1),
+        ("curvature", 0.01),
+        ("lane_left_m", 0.5),
+        ("lane_right_m", 0.5),
+        ("roadside_m", 0.5),
+        ("friction", -0.1),
+        ("visual_range_m", -5.0),
+        ("curve_speed", -100.0),
+        ("curve_speed", math.nan),
+        ("wheelbase", 1.0),
+    ],
+)
+def test_a_wrong_member_of_the_observation_is_found(name, offset) -> None:
+    assert any(f"observation: {name} is" in line for line in lines(observing(**{name: offset})))
+
+
+@pytest.mark.parametrize("wrong", [1.0, math.nan])
+@pytest.mark.parametrize("row", [0, -1])
+def test_a_wrong_place_or_acceleration_is_told_of_its_body(row, wrong) -> None:
+    def altered(array):
+        array = array.copy()
+        array[row] += wrong
+        return array
+
+    for field, words in (("places", "places: s of"), ("accelerations", "accelerations: ")):
+        found = lines(
+            publishing(lambda state, field=field: {field: altered(getattr(state, field))})
+        )
+        assert found
+        assert all(words in line for line in found)
+        assert all(("nan" in line) == math.isnan(wrong) for line in found)
+        assert any("'ego'" in line for line in found) or row
+
+
+@pytest.mark.parametrize(
+    ("alter", "words"),
+    [
+        (lambda state: {"speeds": 1.5 * state.speeds, "accelerations": None}, "speeds: "),
+        (lambda state: {"off_road": True}, "off_road is True on the road at 0.00 s"),
+        (lambda state: {"off_road": False}, "off_road is False beside the road"),
+        (
+            lambda state: {"poses": state.poses + np.array([0.0, 0.0, 1.0, 0.0])},
+            "1.00 m above the road",
+        ),
+        (
+            lambda state: {"poses": state.poses + np.array([0.0, 0.0, 0.0, 0.6])},
+            "from its direction of travel",
+        ),
+    ],
+)
+def test_a_state_that_contradicts_its_poses_is_found(alter, words) -> None:
+    assert any(words in line for line in lines(publishing(alter)))
+
+
+def test_members_may_be_unknown() -> None:
+    assert lines(publishing(lambda state: {"places": None, "accelerations": None})) == []
+
+
+def test_an_ego_that_does_not_turn_is_found() -> None:
+    class Straight(Few):
+        def step(self, control):
+            return super().step(replace(control, steering=0.0))
+
+    assert any("does not turn when it steers left" in line for line in lines(Straight))
+
+
+@pytest.mark.parametrize(
+    ("error", "is_found"),
+    [(SpawnError("s0", "car", (0.0, 0.0, 0.0, 0.0), "no room"), False), (KeyError("car"), True)],
+)
+def test_a_full_road_may_be_refused_but_only_in_words(error, is_found) -> None:
+    class Picky(Few):
+        def reset(self, scene, seed):
+            if len(scene.actors) > 1:
+                raise error
+            return super().reset(scene, seed)
+
+    assert bool(lines(Picky)) == is_found
