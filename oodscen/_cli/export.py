@@ -11,7 +11,13 @@ from typing import Any
 
 import click
 
-from oodscen._cli.export_folder import ExportOptions, claim_folder, refuse_clashes, require_extra
+from oodscen._cli.export_folder import (
+    ExportOptions,
+    claim_folder,
+    list_written,
+    refuse_clashes,
+    require_extra,
+)
 from oodscen._cli.options import refuse_idle, seed_option, simulator_option
 from oodscen._cli.output import say, write
 from oodscen._cli.paths import PathName
@@ -122,6 +128,7 @@ def export(
     for written, failed in tracked(_results(writers, workers), "export", len(writers)):
         count += written
         faults += failed
+    list_written(out)
     for fault in faults:
         say(fault, err=True)
     say(f"{count} files in {out}, {len(faults)} failed", err=True)

@@ -113,8 +113,17 @@ def claim_folder(out: Path, scenes: Sequence[Scene], catalogue: Catalogue, form:
             names.add(name)
     if taken:
         raise FolderTaken(str(out), sorted(taken)[:5])
-    text = "\n".join([_HEAD, *sorted(listed | names), ""])
-    replace(out / LIST, text.encode())
+    _write_list(out, listed | names)
+
+
+def list_written(out: Path) -> None:
+    """Take the names off the list that no export has written: a file of that name is somebody else's."""
+    names = {name for name in _listed(out) if (out / name).exists()}
+    _write_list(out, names)
+
+
+def _write_list(out: Path, names: Iterable[str]) -> None:
+    replace(out / LIST, "\n".join([_HEAD, *sorted(names), ""]).encode())
 
 
 def _listed(out: Path) -> set[str]:

@@ -13,7 +13,7 @@ from oodscen._pipeline.steps.aspects import judged
 from oodscen._pipeline.steps.compare import compare_catalogues
 from oodscen._pipeline.steps.judge import evaluate, outcomes
 from oodscen._pipeline.steps.measure import measure, unanswered
-from oodscen._pipeline.steps.scenes import augment, simulate
+from oodscen._pipeline.steps.scenes import augment, refuse_late_outputs, simulate
 from oodscen._pipeline.steps.texts import (
     describe,
     describe_sets,
@@ -188,6 +188,7 @@ class Pipeline:
             if differences:
                 raise StudyMismatch(str(self.study.folder), differences)
         self.study.check()
+        refuse_late_outputs(self.store, self.context.options.outputs)
 
     def _save(self, status: Status, **more: Any) -> None:
         """Write `study.json`; earlier counts stay until new ones replace them."""

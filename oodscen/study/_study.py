@@ -346,7 +346,7 @@ class Study(Brief, StudyUses):
         """
         name = f"traces/{scene_id}.parquet"
         if not self.store.has(name):
-            raise StudyError(f"{self.folder} holds no {name}: run it with traces")
+            raise StudyError(f"{self.folder} holds no {name}: it was run without traces")
         try:
             import pyarrow.parquet as parquet
         except ImportError:

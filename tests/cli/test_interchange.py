@@ -109,6 +109,20 @@ def test_an_export_replaces_only_exports(form, tmp_path):
         assert (other / name).read_text() == "mine"
 
 
+def test_a_file_of_a_name_that_no_export_wrote_is_kept(tmp_path):
+    scenes, out = tmp_path / "scenes.jsonl", tmp_path / "out"
+    scenes.write_text(f"{SCENES[0].to_json()}\n")
+    words = ("export", scenes, "-o", out, "--simulator", "pybullet")
+    assert run(*words).exit_code == 0
+    own = out / f"{SCENES[0].id}.logical.xosc"
+    assert own.name not in (out / LIST).read_text()
+    own.write_text("mine")
+    done = run(*words, "--logical")
+    assert done.exit_code == 2
+    assert own.name in done.output
+    assert own.read_text() == "mine"
+
+
 @pytest.mark.parametrize(("form", "package"), [("mcap", "betterosi"), ("rerun", "rerun")])
 def test_an_export_without_its_package_writes_nothing(form, package, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, package, None)

@@ -9,11 +9,11 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from oodscen import Study
-from oodscen._pipeline import run_study
+from oodscen._pipeline import Outputs, run_study
 from oodscen.data._pairing import scene_of
-from oodscen.errors import DataError
+from oodscen.errors import DataError, UsageError
 from oodscen.testing import ScriptedLLM
-from tests.pipeline.quick import QUICK, content, lines, rewrite
+from tests.pipeline.quick import QUICK, SMALL, content, lines, rewrite
 
 CONFIG = QUICK.model_copy(
     update={
@@ -271,3 +271,19 @@ def test_a_round_that_does_not_fit_its_tree_is_named_before_anything_is_written(
     with pytest.raises(DataError, match=r"(?s)redteam\.jsonl:.*'elsewhere' does not exist"):
         run(folder)
     assert content(folder) == before
+
+
+@pytest.mark.parametrize(
+    "outputs", [Outputs(traces=True), Outputs(annotations=True), Outputs(video="bird")]
+)
+def test_outputs_that_episodes_were_not_run_with_are_refused(finished, outputs):
+    before = content(finished)
+    with pytest.raises(UsageError, match=r"run without (traces|annotations|videos)"):
+        run(finished, outputs=outputs)
+    assert content(finished) == before
+
+
+def test_outputs_that_episodes_were_run_with_may_be_asked_for_again(tmp_path):
+    for _ in range(2):
+        run_study(tmp_path, SMALL, outputs=Outputs(annotations=True))
+    assert list(tmp_path.glob("frames/*/last.json"))

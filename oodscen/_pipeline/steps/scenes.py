@@ -6,7 +6,7 @@ from typing import Any
 
 from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context, failed
-from oodscen._pipeline.jobs import Job
+from oodscen._pipeline.jobs import Job, Outputs
 from oodscen._pipeline.steps.staged import SCENES, STAGED, Line, StagedScenes
 from oodscen._pipeline.sweep import sweep
 from oodscen.data._base import digest
@@ -16,7 +16,7 @@ from oodscen.data._pairing import demand_id, scene_of, twin_id
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.driving._sight.staging_advice import AdvisingCheck
-from oodscen.errors import LLMError
+from oodscen.errors import LLMError, UsageError
 from oodscen.stages._augment import Augmenter
 from oodscen.study._made import NOTHING, made_for
 from oodscen.study._staging import Staging, text_digest
@@ -269,6 +269,31 @@ def simulate_behind(run: Context, episodes: Sequence[Episode]) -> dict[str, str]
     job = Job(config.simulator, config.seed, camera=config.camera, is_rear=True)
     rear_episodes = _sweep(run, job, items, REAR)
     return {episode.scene_id: episode.frames["last"] for episode in rear_episodes if episode.frames}
+
+
+def refuse_late_outputs(store: Store, outputs: Outputs) -> None:
+    """Refuse outputs that the runs of a study were not asked for: what has been run is not run again.
+
+    Raises:
+        UsageError: If an episode lacks one of them; the message names them.
+    """
+    wanted = {
+        "traces": (outputs.traces, "traces/"),
+        "annotations": (outputs.annotations, "frames/"),
+        "videos": (outputs.video is not None, "videos/"),
+    }
+    ran = [line for line in store.lines("episodes.jsonl") if line.get("status") == "ok"]
+    missing = [
+        noun
+        for noun, (is_wanted, folder) in wanted.items()
+        if is_wanted
+        and any(not any(file.startswith(folder) for file in line["files"]) for line in ran)
+    ]
+    if missing:
+        raise UsageError(
+            f"{store.folder} has episodes that were run without {' and '.join(missing)}, and they are not run again: "
+            "run the same command in another folder, or remove their lines from episodes.jsonl first"
+        )
 
 
 def has_files(store: Store, line: Mapping[str, Any]) -> bool:

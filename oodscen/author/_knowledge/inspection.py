@@ -13,6 +13,7 @@ from pathlib import Path
 
 from oodscen._arguments import checked
 from oodscen.author._knowledge.base import HazardKind, Knowledge
+from oodscen.author._knowledge.designs import load_motions
 from oodscen.author._knowledge.loading import KnowledgeFiles, gather, load_knowledge, own_files
 from oodscen.author._knowledge.validation import validate_knowledge
 from oodscen.author._reading.recognition import Recogniser
@@ -225,7 +226,7 @@ def _check_needs(
             if matches and not is_own and need.kind in ("asset", "behaviour"):
                 fault = f"{need.words}: did you mean {' or '.join(matches)}?"
                 findings.add(hazard, [Issue("needs", fault)])
-            elif need.kind == "behaviour" and need.name in used:
+            elif need.kind == "behaviour" and need.name in used and need.name not in load_motions():
                 fault = f"{need.words}: no catalogue has it to stage this with"
                 findings.add(hazard, [Issue("stage.actors", fault)])
             else:

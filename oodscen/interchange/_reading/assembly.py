@@ -20,7 +20,7 @@ from oodscen.interchange._reading.ego_road import (
     keeps_left,
 )
 from oodscen.interchange._reading.hazards import decision_for, hazard_actors
-from oodscen.interchange._reading.identifiers import identifier, identifiers
+from oodscen.interchange._reading.identifiers import identifiers, scene_identifier
 from oodscen.interchange._reading.positions import MappedRoads, Positions, StraightRoad
 from oodscen.interchange._reading.starts import centre_of, read_starts
 from oodscen.interchange._reading.tree import Element, OpenScenarioFile
@@ -88,7 +88,7 @@ def assembled_scene(
     ego_speed = actions.speeds.get(entities.ego, 0.0)
     ego_of_scene = ego_of(ego_element, ego_speed, ego_road.corridor, ego_road.strip)
     decision = decision_for(next(actor for actor in actors if actor.id == hazard_ids[0]))
-    scene_id = identifier(tree.path.stem)
+    scene_id = scene_identifier(tree.path.stem)
     return Scene.parse(
         {
             "id": scene_id,

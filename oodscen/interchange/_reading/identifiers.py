@@ -6,12 +6,20 @@ from collections.abc import Iterable
 from oodscen._wording import is_left_out
 
 _LONGEST = 40
+"""Characters of the id of an entity."""
+_LONGEST_SCENE = 200
+"""Characters of the id of a scene."""
 
 
-def identifier(name: str) -> str:
-    """Return an id that a scene accepts."""
-    plain = re.sub(r"[^a-z0-9_-]+", "-", name.lower()).strip("-_")[:_LONGEST]
+def identifier(name: str, longest: int = _LONGEST) -> str:
+    """Return an id that an actor of a scene accepts."""
+    plain = re.sub(r"[^a-z0-9_-]+", "-", name.lower()).strip("-_")[:longest]
     return plain or "entity"
+
+
+def scene_identifier(name: str) -> str:
+    """Return an id that a scene accepts."""
+    return identifier(name, _LONGEST_SCENE)
 
 
 def identifiers(names: Iterable[str]) -> dict[str, str]:

@@ -13,7 +13,7 @@ from oodscen.driving._sight.placement import staging_issues
 from oodscen.errors import Issue, UsageError
 from oodscen.interchange._reading.assembly import assembled_scene
 from oodscen.interchange._reading.exports import exported_scene
-from oodscen.interchange._reading.identifiers import identifier
+from oodscen.interchange._reading.identifiers import scene_identifier
 from oodscen.interchange._reading.leftovers import leftovers
 from oodscen.interchange._reading.tree import OpenScenarioFile
 
@@ -86,7 +86,7 @@ def foresee(path: str | Path, catalogue: Catalogue) -> tuple[str, bool]:
     tree = OpenScenarioFile(path)
     exported = exported_scene(tree, catalogue) if _check_version(tree) else None
     if exported is None:
-        return identifier(tree.path.stem), False
+        return scene_identifier(tree.path.stem), False
     return exported.id, True
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from oodscen._doctor import examine_knowledge
+from oodscen._registry import make_catalogue
 from oodscen.author._knowledge.inspection import inspect_knowledge
 from oodscen.testing._flat import FlatSimulator
 
@@ -41,7 +42,7 @@ def inspected(tmp_path: Path, text: str) -> list[str]:
 
 
 def test_the_shipped_knowledge_has_no_fault() -> None:
-    found = inspect_knowledge()
+    found = inspect_knowledge(None, {"pybullet": make_catalogue("pybullet")})
     assert found.faults == ()
     assert (found.hazards >= 220, found.families >= 30, found.recipes >= 90) == (True,) * 3
 
