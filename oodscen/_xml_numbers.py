@@ -6,7 +6,8 @@ import re
 UNSIGNED = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 """Pattern of a finite number without its sign."""
 _DOUBLE = re.compile(rf"[+-]?{UNSIGNED}")
-_BLANKS = " \t\r\n"
+BLANKS = " \t\r\n"
+"""The characters that XML Schema strips from a number."""
 
 
 def double(text: str) -> float:
@@ -15,7 +16,7 @@ def double(text: str) -> float:
     Raises:
         ValueError: If it is none, or not finite.
     """
-    plain = text.strip(_BLANKS)
+    plain = text.strip(BLANKS)
     if not _DOUBLE.fullmatch(plain) or not math.isfinite(value := float(plain)):
         raise ValueError(f"{text[:40]!r} is not a finite number")
     return value

@@ -11,9 +11,7 @@ from oodscen._files import read_regular
 from oodscen._xml_numbers import double
 from oodscen.driving._roads.document import MAX_BYTES, Document, name_of
 from oodscen.errors import DataError, Issue
-from oodscen.interchange._reading.expressions import substituted
-
-Scope = Mapping[str, str]
+from oodscen.interchange._reading.expressions import Scope
 
 NOUN = "OpenSCENARIO file"
 _TRACES = (".osi", ".mcap")
@@ -54,7 +52,7 @@ class OpenScenarioFile:
         """Catalogue entries that references were resolved to."""
         self._catalogues: _Catalogues | None = None
         self._followed = 0
-        self.root = Element(self, element, {})
+        self.root = Element(self, element, Scope({}))
         if self.root.first("Storyboard") is None:
             raise self.root.fault("has no Storyboard: it is a catalogue or a distribution")
 
@@ -189,11 +187,11 @@ class Element:
         element: etree._Element,
         scope: Scope,
         depth: int = 0,
-        assigned: Scope | None = None,
+        assigned: Mapping[str, str] | None = None,
     ) -> None:
         self.tree = tree
         self.element = element
-        self.scope: Scope = {**scope, **declarations(element), **(assigned or {})}
+        self.scope = scope.within({**declarations(element), **(assigned or {})})
         self.depth = depth
 
     @property
@@ -242,7 +240,7 @@ class Element:
         if text is None:
             return default
         try:
-            return substituted(text, self.scope)
+            return self.scope.substituted(text)
         except ValueError as error:
             raise self.fault(str(error), name) from None
 

@@ -7,21 +7,24 @@ import numpy as np
 
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.interchange._recording import RecordedRun
-from oodscen.interchange._writing.elements import Element, child, within
+from oodscen.interchange._writing.elements import Element, attribute_text, child, within
 from oodscen.interchange._writing.entities import Entity
 from oodscen.numerics._exact import Floats
 
 PositionWriter = Callable[[Element, Floats], None]
 """Completes a `Position` with a pose."""
 
-EXACT_M = 2e-5
+_EXACT = 2e-5
 """Largest error of a course from which vertices are left out, m and rad."""
 _STILL = 1e-9
 """Change in one step up to which a body rests, m and rad."""
 _REST_STEPS = 4
 """Shortest rest that parts two phases of a motion, in steps."""
 _TURN_M = 2e-5
-"""Distance by which a body that turns on the spot moves to and fro: players follow by arc length, m."""
+"""Distance by which a body that turns on the spot moves to and fro: players follow by arc length, m.
+
+It adds to the error of its course.
+"""
 _TURNING_RAD = 1e-6
 """Turn in one step above which a body turns, rad."""
 
@@ -103,7 +106,7 @@ def _next_vertex(time: Floats, poses: Floats, first: int, last: int) -> int:
 def _is_straight(time: Floats, poses: Floats, first: int, last: int) -> bool:
     share = (time[first : last + 1] - time[first]) / (time[last] - time[first])
     line = poses[first] + share[:, None] * (poses[last] - poses[first])
-    return bool(np.abs(line - poses[first : last + 1]).max() <= EXACT_M)
+    return bool(np.abs(line - poses[first : last + 1]).max() <= _EXACT)
 
 
 def _with_arc_length(poses: Floats) -> Floats:
@@ -133,8 +136,8 @@ def write_trajectory(
 ) -> None:
     """Append the action that follows a course of reference points, [n, 5].
 
-    Times count from the start of the action if they are relative. The positions of vertices are by default in the
-    world.
+    Relative times count from the start of the action; the caller gives them so. The positions of vertices are by
+    default in the world.
     """
     holder = within(action, "PrivateAction", "RoutingAction", "FollowTrajectoryAction")
     reference = child(holder, "TrajectoryRef")
@@ -157,20 +160,27 @@ def world_position(position: Element, pose: Floats) -> None:
 
 
 def own_position(name: str, origin: Floats) -> PositionWriter:
-    """Return a writer of positions relative to an entity itself, where its course began."""
-    x, y, z, heading = map(float, origin[:4])
+    """Return a writer of positions relative to an entity itself, whose pose is `origin` as its course begins.
+
+    They are along the axes of the entity, which its heading and its pitch turn.
+    """
+    heading, pitch = float(origin[3]), float(origin[4])
     cos, sin = math.cos(heading), math.sin(heading)
+    level, steep = math.cos(pitch), math.sin(pitch)
 
     def write(position: Element, pose: Floats) -> None:
-        dx, dy = float(pose[0]) - x, float(pose[1]) - y
+        x, y, z, turn, tilt = map(float, pose - origin)
+        ahead, left = cos * x + sin * y, cos * y - sin * x
         relative = child(
             position,
             "RelativeObjectPosition",
             entityRef=name,
-            dx=cos * dx + sin * dy,
-            dy=cos * dy - sin * dx,
-            dz=float(pose[2]) - z,
+            dx=level * ahead - steep * z,
+            dy=left,
+            dz=level * z + steep * ahead,
         )
-        child(relative, "Orientation", type="relative", h=float(pose[3]) - heading)
+        orientation = child(relative, "Orientation", type="relative", h=turn)
+        if tilt != 0.0:
+            orientation.set("p", attribute_text(tilt))
 
     return write

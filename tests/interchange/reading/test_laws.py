@@ -430,6 +430,28 @@ def test_odd_parameters_are_noted(parameters, note, tmp_path):
     )
 
 
+def test_a_parameter_of_a_story_changes_none_around_it(tmp_path):
+    outer = '<ParameterDeclaration name="a" value="${$b * 2}"/><ParameterDeclaration name="b" value="5"/>'
+    inner = '<ParameterDeclaration name="b" value="8"/>'
+
+    def scene(value):  # In which the car brakes at a time.
+        story = event(speed(0, "linear", 2), at(value)).replace(
+            "<Act ", f"<ParameterDeclarations>{inner}</ParameterDeclarations><Act ", 1
+        )
+        return read(tmp_path, cars(story, parameters=outer)).scene
+
+    assert scene("$a") == scene("10") != scene("$b") == scene("8")
+
+
+@pytest.mark.parametrize("first", ["${2$v}", "${$v$v}", "${1e$v}", "${$v * $n}", "${1e400}"])
+def test_a_malformed_expression_is_refused(first, tmp_path):
+    parameters = (
+        '<ParameterDeclaration name="v" value="3"/><ParameterDeclaration name="n" value="e"/>'
+    )
+    with pytest.raises(OodscenError, match="AbsoluteTargetSpeed @value: "):
+        read(tmp_path, cars(first=first, parameters=parameters))
+
+
 def test_a_lane_with_a_fraction_is_refused(tmp_path):
     with pytest.raises(OodscenError, match=r"LanePosition @laneId: -1\.5 is not an integer"):
         read(tmp_path, cars(place=lane(250, -1.5)))
