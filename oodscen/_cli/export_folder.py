@@ -117,7 +117,7 @@ def claim_folder(out: Path, scenes: Sequence[Scene], catalogue: Catalogue, form:
 
 
 def list_written(out: Path) -> None:
-    """Take the names off the list that no export has written: a file of that name is somebody else's."""
+    """Take the names off the list that no export has written: a file of that name is another's."""
     names = {name for name in _listed(out) if (out / name).exists()}
     _write_list(out, names)
 
