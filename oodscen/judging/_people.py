@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def as_name(text: str) -> str:
-    """Return a name in the form in which names are compared: composed (NFC), so that what looks alike is alike."""
+    """Return a name in the form in which names are compared: composed (NFC), so that the same characters are alike."""
     return unicodedata.normalize("NFC", text)
 
 
@@ -41,7 +41,7 @@ Name = Annotated[
 
 
 class QuizAnswer(Data):
-    """A person's answers about one drive; the quiz goes on only when all three questions have one."""
+    """A person's answers about one drive. All three questions must be answered."""
 
     item: str = Field(max_length=64)
     """The drive's token; see `token`."""
@@ -85,6 +85,30 @@ def _by_token(episodes: Iterable[Episode]) -> dict[str, str]:
     return {token(episode): episode.scene_id for episode in episodes if episode.frames}
 
 
+def _by_drive(
+    quiz: QuizAnswers, episodes: Iterable[Episode], source: str, *, leaves_out: bool
+) -> dict[str, QuizAnswer]:
+    """Return the answers by ids of drives; those about no drive of the study are left out, or refused.
+
+    Raises:
+        DataError: If an answer is about no drive and is not left out, or two are about one.
+    """
+    drives = _by_token(episodes)
+    issues, answers = [], dict[str, QuizAnswer]()
+    for index, answer in enumerate(quiz.answers):
+        drive = drives.get(answer.item)
+        if drive is None:
+            if not leaves_out:
+                issues.append(Issue(f"answers[{index}]", "it is about no drive of this study"))
+        elif drive in answers:
+            issues.append(Issue(f"answers[{index}]", "this drive has two answers"))
+        else:
+            answers[drive] = answer
+    if issues:
+        raise DataError(QuizAnswers.noun, issues, source=source)
+    return answers
+
+
 class PersonAnswers(CaseAnswerer):
     """Answers drives as a person did.
 
@@ -113,38 +137,41 @@ class PersonAnswers(CaseAnswerer):
         Raises:
             DataError: If an answer is about no drive of the study, or two are about one.
         """
-        items = _by_token(episodes)
-        issues, answers = [], dict[str, QuizAnswer]()
-        for index, answer in enumerate(quiz.answers):
-            if answer.item not in items:
-                issues.append(Issue(f"answers[{index}]", "it is about no drive of this study"))
-            elif items[answer.item] in answers:
-                issues.append(Issue(f"answers[{index}]", "this drive has two answers"))
-            else:
-                answers[items[answer.item]] = answer
-        if issues:
-            raise DataError(QuizAnswers.noun, issues, source=source or quiz.id)
-        return cls(quiz.id, answers)
+        return cls(quiz.id, _by_drive(quiz, episodes, source or quiz.id, leaves_out=False))
 
     @classmethod
     def load(cls, store: "Store", name: str, episodes: Iterable[Episode]) -> "PersonAnswers":
-        """Return a person's answers in a study; those about drives that have changed are left out."""
-        lines = {as_name(line["id"]): line for line in store.lines(PEOPLE)}
-        if as_name(name) not in lines:
+        """Return a person's answers in a study; those about drives that have changed are left out.
+
+        Raises:
+            DataError: If the study lacks the person, a line of its file is malformed, or two answers are about one drive.
+        """
+        found: tuple[QuizAnswers, str] | None = None
+        for number, line in store.numbered(PEOPLE):
+            source = f"{PEOPLE}, line {number}"
+            quiz = QuizAnswers.parse(line, source=source)
+            if quiz.id == as_name(name):
+                found = quiz, source
+        if found is None:
+            evaluate = f"oodscen evaluate {shlex.quote(str(store.folder))}"
             remedy = (
-                f"give the file again (oodscen evaluate {store.folder} --answers FILE), or take the row out "
-                f"(oodscen evaluate {store.folder} --drop {shlex.quote(person(name))})"
+                f"give the file again ({evaluate} --answers FILE), or take the row out "
+                f"({evaluate} --drop {shlex.quote(person(name))})"
             )
             raise DataError(QuizAnswers.noun, [Issue("", f"{PEOPLE} lacks {name!r}: {remedy}")])
-        quiz = QuizAnswers.parse(lines[as_name(name)], source=f"{PEOPLE}, {name}")
-        items = _by_token(episodes)
-        return cls(
-            name, {items[answer.item]: answer for answer in quiz.answers if answer.item in items}
-        )
+        quiz, source = found
+        return cls(quiz.id, _by_drive(quiz, episodes, source, leaves_out=True))
 
     def judge(self, case: Case) -> Answers:
-        """Answer as the person did."""
-        answer = self.items[case.episode.scene_id]
+        """Answer as the person did; a choice that is not among the case's options is none.
+
+        Raises:
+            DataError: If the person has not answered about the drive.
+        """
+        drive = case.episode.scene_id
+        if drive not in self.items:
+            raise DataError(QuizAnswers.noun, [Issue("", f"{self.name} did not answer {drive!r}")])
+        answer = self.items[drive]
         listed = {option.id for option in case.options}
         return Answers(
             is_ood=answer.is_ood,

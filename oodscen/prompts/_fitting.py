@@ -17,7 +17,7 @@ _COMMON = frozenset("a an and at by from in into is its of off on onto or that t
 
 
 def fitted(question: Question, context: int | None) -> Question:
-    """Return a question that fits the context window of a model together with its answer.
+    """Return a question that fits the context window of a model together with its answer, or else the shortest.
 
     The layouts of the roads, traits that only tell of lanes, poses, and the parts of vehicles and maps go first.
     Then as many assets and behaviours of its catalogue as necessary are reduced to their ids; those that share the
@@ -28,7 +28,10 @@ def fitted(question: Question, context: int | None) -> Question:
         context: Context window of the model in tokens, for prompt and answer; `None` leaves the
             question as it is.
     """
-    if context is None or tokens_of(question) <= context - ANSWER_TOKENS:
+    if context is None:
+        return question
+    room = context - ANSWER_TOKENS
+    if tokens_of(question) <= room:
         return question
     catalogue = _without_layouts(question.catalogue)  # type: ignore[attr-defined]
     ranked = _ranked(catalogue, _words_of(question))
@@ -36,7 +39,7 @@ def fitted(question: Question, context: int | None) -> Question:
     while fewest < most:
         middle = (fewest + most + 1) // 2
         shorter = _shortened(question, catalogue, ranked[:middle])
-        if tokens_of(shorter) <= context - ANSWER_TOKENS:
+        if tokens_of(shorter) <= room:
             fewest = middle
         else:
             most = middle - 1
@@ -98,7 +101,10 @@ def _words_of(question: Prompt[Any]) -> set[str]:
 
 
 def _ranked(catalogue: CatalogueDigest, words: set[str]) -> list[tuple[str, str]]:
-    """Return the kind and id of all lines, those with the most shared words first; ties keep catalogue order."""
+    """Return the kind and id of all lines, those with the most shared words first.
+
+    Ties keep catalogue order, in which behaviours and assets take turns.
+    """
     lines = [
         *(
             ("behaviour", line.id, f"{line.id} {line.description}", position)

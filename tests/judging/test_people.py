@@ -1,17 +1,21 @@
 """Answers of people: tokens that tell nothing, files of other studies refused, rows like those of models."""
 
+import json
 import unicodedata
+from pathlib import Path
 from typing import Literal
 
 import hypothesis
 import pytest
 from hypothesis import strategies as st
 
+from oodscen._study_files import PEOPLE
 from oodscen.data._episode import ACTIONS, ActionOutcome, Episode
 from oodscen.errors import DataError
 from oodscen.judging._people import PersonAnswers, QuizAnswers, token
-from oodscen.judging._references import AspectOption
+from oodscen.judging._references import AspectOption, Case
 from oodscen.stages._evaluate import evaluate
+from oodscen.study._store import Store
 
 
 def episode(name: str, sha: str = "a") -> Episode:
@@ -107,3 +111,60 @@ def test_a_name_is_one_person_in_every_form_of_the_same_characters(
         return
     assert given("x", name=unicodedata.normalize(form, name)).id == one.id
     assert unicodedata.is_normalized("NFC", one.id)
+
+
+def stored(folder: Path, *lines: object) -> Store:
+    store = Store(folder)
+    store.prepare()
+    text = "".join(f"{json.dumps(line)}\n" for line in lines)
+    (store.folder / PEOPLE).write_text(text, encoding="utf-8")
+    return store
+
+
+def test_stored_answers_are_those_of_the_file_without_changed_drives(tmp_path):
+    quiz = given(token(EPISODES[0]), "changed")
+    loaded = PersonAnswers.load(stored(tmp_path, quiz.model_dump()), "Ada", EPISODES)
+    matched = PersonAnswers.matched(given(token(EPISODES[0])), EPISODES)
+    assert (loaded.name, loaded.items, loaded.sha256) == (
+        matched.name,
+        matched.items,
+        matched.sha256,
+    )
+
+
+def test_a_name_in_another_form_is_the_same_row(tmp_path):
+    composed, apart = "Jos\u00e9", "Jose\u0301"
+    store = stored(tmp_path, given(token(EPISODES[0]), name=composed).model_dump())
+    assert PersonAnswers.load(store, apart, EPISODES).name == f"human:{composed}"
+
+
+@pytest.mark.parametrize("line", [{}, {"id": 3}, {"id": "Bob", "answers": []}])
+def test_a_damaged_line_is_named(tmp_path, line):
+    store = stored(tmp_path, given(token(EPISODES[0])).model_dump(), line)
+    with pytest.raises(DataError, match="line 2"):
+        PersonAnswers.load(store, "Ada", EPISODES)
+
+
+def test_two_stored_answers_about_one_drive_are_refused(tmp_path):
+    store = stored(tmp_path, given(*[token(EPISODES[0])] * 2).model_dump())
+    with pytest.raises(DataError, match="two answers"):
+        PersonAnswers.load(store, "Ada", EPISODES)
+
+
+def test_the_remedy_for_an_absent_person_can_be_pasted(tmp_path):
+    store = stored(tmp_path / "my study")
+    with pytest.raises(DataError, match="lacks 'Bob'") as caught:
+        PersonAnswers.load(store, "Bob", EPISODES)
+    assert f"oodscen evaluate '{store.folder}' --drop human:Bob" in str(caught.value)
+
+
+def test_a_choice_that_is_not_offered_is_none():
+    answers = PersonAnswers.matched(given(token(EPISODES[0])), EPISODES)
+    options = (AspectOption(id="fox", label="Fox on the road"),)
+    assert answers.judge(Case(EPISODES[0], options=options)).choice is None
+
+
+def test_a_drive_without_an_answer_is_named():
+    answers = PersonAnswers.matched(given(token(EPISODES[0])), EPISODES)
+    with pytest.raises(DataError, match="deer-001~twin"):
+        answers.judge(Case(EPISODES[1]))

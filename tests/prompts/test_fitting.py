@@ -41,6 +41,14 @@ def test_the_vocabulary_stays_whole(context):
     assert [road.id for road in short.maps] == [road.id for road in CATALOGUE.maps]
 
 
+@settings(max_examples=10)
+@given(st.sampled_from(QUESTIONS), st.integers(0, 8_000))
+def test_a_question_fits_or_is_the_shortest(question, context):
+    short, shortest = fitted(question, context), fitted(question, 0)
+    assert tokens_of(short) + ANSWER_TOKENS <= context or short == shortest
+    assert not any(line.description for line in shortest.catalogue.assets)
+
+
 @pytest.mark.parametrize("question", QUESTIONS, ids=lambda question: question.purpose)
 def test_a_model_that_reads_enough_gets_everything(question):
     assert fitted(question, None) is question

@@ -62,7 +62,10 @@ def _span(corners: Sequence[tuple[float, float]], c: float, s: float) -> tuple[f
 
 
 def matrix(place: Transform) -> Matrix:
-    """Return the 4 x 4 matrix of a transform."""
+    """Return the 4 x 4 matrix of a transform: CARLA's `Transform.get_matrix`, left-handed.
+
+    Roll turns about x first, then pitch about y, then yaw about z.
+    """
     x, y, z = place.location
     (sp, cp), (sy, cy), (sr, cr) = (
         (math.sin(angle), math.cos(angle)) for angle in map(math.radians, place.rotation)

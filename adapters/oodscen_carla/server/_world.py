@@ -195,7 +195,7 @@ class World:
         return street_scene(self.map.road_map, self.catalogue, weather, lit)
 
     def spawn(self, description: Description, place: Transform, parent: int) -> ServerActor:
-        """Add an actor.
+        """Add an actor; what is attached to another collides with nothing.
 
         Raises:
             CallError: If the blueprint, the parent or the room is missing.
@@ -208,10 +208,10 @@ class World:
         if len(self.actors) >= MAX_ACTORS:
             raise CallError(f"this server holds at most {MAX_ACTORS} actors")
         blueprint = self.library[description.type_id]
-        if blueprint.is_solid:
+        if blueprint.is_solid and not parent:
             box = OrientedBox(place, blueprint.extent)
             for other in self.actors.values():
-                if other.is_obstacle and box.overlaps(other.box):
+                if other.is_obstacle and not other.parent and box.overlaps(other.box):
                     raise CallError("Spawn failed because of collision at spawn position")
         return self._add(ServerActor(self._next_id, description, blueprint, place, parent))
 

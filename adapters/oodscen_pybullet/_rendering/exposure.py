@@ -19,6 +19,7 @@ from oodscen_pybullet._rendering.sky import (
     clear_sky,
     cloud_columns,
     cloud_cover,
+    cloud_rows,
     cloud_sheet,
 )
 from oodscen_pybullet._rendering.stage import RawPicture
@@ -83,7 +84,6 @@ def expose(picture: RawPicture, rate: float, air: Sequence[float]) -> Plate:
     """
     view, light, weather, shot = picture.view, picture.light, picture.weather, picture.shot
     across, upwards = view.slopes()
-    spread = [*(_beam_spread(across, slope) for slope in _SPREADS), cloud_columns(view)]
     grid = ground_light(view, picture.lamps, light) if is_compiled() else None
     has_grain = light.daylight < _GRAINY
     return Plate(
@@ -103,9 +103,11 @@ def expose(picture: RawPicture, rate: float, air: Sequence[float]) -> Plate:
         clouds=_clouds(cloud_cover(weather), light.daylight, cloud_sheet(picture.seed)),
         portal=_portal_plane(picture.portal, light.daylight) if picture.portal else _NO_PORTAL,
         beam=_beam(view, light),
-        spread=np.stack(spread).astype(np.float32),
+        beam_spread=np.stack([_beam_spread(across, slope) for slope in _SPREADS]),
         halo=_halo(upwards),
         clear_sky=clear_sky(view, weather, light),
+        cloud_rows=cloud_rows(view),
+        cloud_columns=cloud_columns(view),
         has_grid=grid is not None,
         grid=_NO_GRID if grid is None else grid,
         wet=np.float32(_WET if weather.precipitation == "rain" else 0.0),

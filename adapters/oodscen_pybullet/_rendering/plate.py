@@ -1,6 +1,6 @@
 """The inputs of the kernel that develops pictures: raw pixels, and the light and weather they are seen in.
 
-Compiled code reads them, so every number is a 32-bit scalar and every list a tuple or an array.
+Compiled code reads them, so every number is a 32-bit scalar, every flag a bool, and every list a tuple or an array.
 """
 
 from typing import NamedTuple
@@ -11,7 +11,7 @@ from oodscen_pybullet._types import F32, U8
 
 GRID_AHEAD, GRID_ASIDE, GRID_CELL_M = 192, 160, 0.5
 """Cells ahead of and across the camera in which lamps light the ground, and their size, m."""
-_NONE = np.float32(0.0)
+_ZERO = np.float32(0.0)
 
 
 class Air(NamedTuple):
@@ -44,29 +44,29 @@ class ShadowMaps(NamedTuple):
     """The fine shadow map near the camera and the coarse one around it."""
 
     heights: F32
-    """Heights of the fine map."""
+    """[CELLS, CELLS] heights of the fine map, m above its level; rows by y, columns by x."""
     tiles: F32
-    """Greatest height in each tile of the fine map."""
+    """[CELLS / TILE, CELLS / TILE] greatest height in and beside each tile of the fine map, m."""
     far_heights: F32
-    """Heights of the coarse map."""
+    """[FAR_CELLS, FAR_CELLS] heights of the coarse map, m above the same level."""
     is_cast: bool = False
     """False if there are no shadows; then nothing else is read."""
-    x: np.float32 = _NONE
+    x: np.float32 = _ZERO
     """Column of the camera's place in the fine map; `y` is its row."""
-    y: np.float32 = _NONE
-    z: np.float32 = _NONE
-    """Height of the camera above the map, m."""
-    scale: np.float32 = _NONE
+    y: np.float32 = _ZERO
+    z: np.float32 = _ZERO
+    """Height of the camera above the maps' level, m."""
+    scale: np.float32 = _ZERO
     """Cells of the fine map per metre."""
-    far_x: np.float32 = _NONE
+    far_x: np.float32 = _ZERO
     """Column of the camera's place in the coarse map; `far_y` is its row."""
-    far_y: np.float32 = _NONE
-    far_scale: np.float32 = _NONE
+    far_y: np.float32 = _ZERO
+    far_scale: np.float32 = _ZERO
     """Cells of the coarse map per metre."""
-    lean_x: np.float32 = _NONE
+    lean_x: np.float32 = _ZERO
     """Distance along x that light covers per metre of height; `lean_y` is the same along y."""
-    lean_y: np.float32 = _NONE
-    sun_gain: np.float32 = _NONE
+    lean_y: np.float32 = _ZERO
+    sun_gain: np.float32 = _ZERO
     """Factor from the sun's fraction of the light to `1` on level ground."""
 
 
@@ -91,16 +91,16 @@ class PortalPlane(NamedTuple):
     lamps: F32
     """[3] light of the tunnel's lamps."""
     is_ahead: bool = False
-    """False if there is none; then nothing else is read."""
+    """False if there is none; then `is_inside` is false and nothing else counts."""
     is_inside: bool = False
     """True if the camera is in the tunnel and looks out."""
-    distance: np.float32 = _NONE
+    distance: np.float32 = _ZERO
     """Distance from the camera along the normal, m."""
-    right: np.float32 = _NONE
+    right: np.float32 = _ZERO
     """Component of the normal along the camera's right; `up` and `forward` are the others."""
-    up: np.float32 = _NONE
-    forward: np.float32 = _NONE
-    air: np.float32 = _NONE
+    up: np.float32 = _ZERO
+    forward: np.float32 = _ZERO
+    air: np.float32 = _ZERO
     """Brightness of the air inside relative to that outside, for a camera inside."""
 
 
@@ -112,7 +112,7 @@ class Plate(NamedTuple):
     depth: F32
     """[height, width] m, at the pixels' centres."""
     reach: F32
-    """[height, width] mean depth of the part that is not sky."""
+    """[height, width] mean depth of the part that is not sky, m."""
     lit: U8
     """[height, width] incidence of the sun on the surface, 0 (grazing) to 255 (perpendicular)."""
     kinds: U8
@@ -134,12 +134,16 @@ class Plate(NamedTuple):
     portal: PortalPlane
     beam: np.float32
     """Brightness of the ego's beams; 0 if they are off or not seen by day."""
-    spread: F32
-    """[3, width] lateral falloff of the ego's beams on objects, and in the air; column of the cloud sheet."""
+    beam_spread: F32
+    """[2, width] lateral falloff of the ego's beams on objects, and in the air."""
     halo: F32
     """[height] brightness of the ego's beams in the air."""
     clear_sky: F32
-    """[height, 5] colour of the clear sky, row of the cloud sheet and weight of the next row."""
+    """[height, 3] colour of the clear sky, 0 to 255."""
+    cloud_rows: F32
+    """[height, 2] row of the cloud sheet, and weight of the next row."""
+    cloud_columns: F32
+    """[width] column of the cloud sheet; its fraction is the weight of the next column."""
     has_grid: bool
     grid: F32
     """[GRID_AHEAD, GRID_ASIDE, 3] light of other lamps on the ground; not read without `has_grid`."""

@@ -224,7 +224,7 @@ def _add_daylight(plate: Plate, line: RowBuffers) -> None:
 @part
 def _add_beams(plate: Plate, line: RowBuffers, y: int) -> None:
     """Add the ego's low beams."""
-    axes, spread = plate.axes, plate.spread
+    axes, spread = plate.axes, plate.beam_spread
     kinds, reach = plate.kinds, plate.reach
     light = line.light
     rise = plate.upwards[y] * axes[1, 2] + axes[2, 2]
@@ -333,7 +333,7 @@ def _find_veil(plate: Plate, line: RowBuffers, y: int) -> None:
 @part
 def _add_air(plate: Plate, line: RowBuffers, y: int) -> None:
     """Fade everything into the air, which the ego's beams light."""
-    kinds, spread = plate.kinds, plate.spread
+    kinds, spread = plate.kinds, plate.beam_spread
     light, veil = line.light, line.veil
     back = plate.air.halo * plate.halo[y]
     is_inside = plate.portal.is_ahead and plate.portal.is_inside
@@ -348,7 +348,8 @@ def _add_air(plate: Plate, line: RowBuffers, y: int) -> None:
 @part
 def _add_sky(plate: Plate, line: RowBuffers, y: int) -> None:
     """Paint the sky and its clouds, in part behind silhouettes."""
-    spread, sky, clear_sky, light = plate.spread, plate.sky, plate.clear_sky, line.light
+    sky, clear_sky, light = plate.sky, plate.clear_sky, line.light
+    rows, columns = plate.cloud_rows, plate.cloud_columns
     cover, sheet, clouds = plate.clouds, plate.clouds.sheet, line.clouds
     is_sky = False
     for x in range(light.shape[1]):
@@ -356,20 +357,20 @@ def _add_sky(plate: Plate, line: RowBuffers, y: int) -> None:
     if not is_sky:
         return
     through = plate.air.sky_through
-    low, between = np.int64(clear_sky[y, 3]), clear_sky[y, 4]
+    low, between = np.int64(rows[y, 0]), rows[y, 1]
     for x in range(sheet.shape[1]):
         clouds[x] = sheet[low, x] + (sheet[low + 1, x] - sheet[low, x]) * between
     for x in range(light.shape[1]):
         if sky[y, x] == 0:
             continue
-        turn = spread[2, x]
+        turn = columns[x]
         i = np.uint64(np.int32(turn))
         cloud = clouds[i] + (clouds[i + np.uint64(1)] - clouds[i]) * (
             turn - np.float32(np.int32(turn))
         )
         share = cloud_share(cloud, cover.edge, cover.floor)
         grey = (cloud * CLOUD_GAIN + cover.shade) * cover.bright
-        glow = plate.air.halo * plate.halo[y] * spread[1, x]
+        glow = plate.air.halo * plate.halo[y] * plate.beam_spread[1, x]
         behind = np.float32(sky[y, x]) * TINY
         for c in range(3):
             tinted = grey * CLOUD_TINT[c]

@@ -61,13 +61,13 @@ def _light(plate: Plate) -> F32:
         rise = (plate.upwards * plate.axes[1, 2] + plate.axes[2, 2])[:, None]
         is_ground = (plate.kinds & (GROUND | SOFT)) == GROUND
         aloft = np.where(is_ground, _ZERO, plate.eye_height + near * rise)
-        light += beam(near, aloft, plate.spread[0][None, :], plate.beam)[None] * _BEAM_TINT
+        light += beam(near, aloft, plate.beam_spread[0][None, :], plate.beam)[None] * _BEAM_TINT
     return light
 
 
 def _lit_air(plate: Plate) -> F32:
     """Return the colour of thick air in the ego's beams."""
-    halo = plate.air.halo * plate.halo[:, None] * plate.spread[1][None, :]
+    halo = plate.air.halo * plate.halo[:, None] * plate.beam_spread[1][None, :]
     return np.asarray(plate.air.colour.reshape(3, 1, 1) + halo[None])
 
 
@@ -81,13 +81,13 @@ def _veil(plate: Plate) -> F32:
 
 def _sky(plate: Plate) -> F32:
     """Return the sky with its clouds."""
-    cover, clear_sky, turn = plate.clouds, plate.clear_sky, plate.spread[2]
-    low, between = clear_sky[:, 3].astype(np.int64), clear_sky[:, 4:5]
+    cover, turn = plate.clouds, plate.cloud_columns
+    low, between = plate.cloud_rows[:, 0].astype(np.int64), plate.cloud_rows[:, 1:]
     rows = cover.sheet[low] + (cover.sheet[low + 1] - cover.sheet[low]) * between
     column = turn.astype(np.int64)
     right = rows[:, column + 1] - rows[:, column]
     cloud = (rows[:, column] + right * (turn - column)).astype(np.float32)
     share = cloud_share(cloud, cover.edge, cover.floor)
     grey = (cloud * CLOUD_GAIN + cover.shade) * cover.bright
-    blue = clear_sky[:, :3].T[:, :, None]
+    blue = plate.clear_sky.T[:, :, None]
     return np.asarray(blue + (grey[None] * _CLOUD_TINT - blue) * share[None])

@@ -61,27 +61,34 @@ def air_colour(weather: Weather, light: Light) -> Colour:
 
 
 def clear_sky(view: CameraView, weather: Weather, light: Light) -> F32:
-    """Return the sky by rows of pixels: [height, 5] float32.
+    """Return the colour of the clear sky by rows of pixels, 0 to 255: [height, 3] float32.
 
-    The columns are red, green and blue of the clear sky, 0 to 255; row of the cloud sheet; weight of the
-    next row. Below the horizon it is the haze over distant ground.
+    Below the horizon it is the haze over distant ground.
     """
-    _, upwards = view.slopes()
-    rise = upwards * np.float32(view.up[2]) + np.float32(view.forward[2])
-    high = np.clip(rise * np.float32(_RISE), 0.0, 1.0).astype(np.float32)
+    high = np.clip(_rises(view) * np.float32(_RISE), 0.0, 1.0).astype(np.float32)
     sun, day = weather.sun_elevation_deg, light.daylight
     low = 1.0 - min(1.0, max(0.0, sun) / _GLOW_BELOW_DEG)
     glow = _GLOW_SHARE * low * max(0.0, min(1.0, (sun - _GLOW_ENDS_DEG) / -_GLOW_ENDS_DEG))
-    rows = np.empty((view.height, 5), np.float32)
+    rows = np.empty((view.height, 3), np.float32)
     for e in range(3):
         bottom = _NIGHT.horizon[e] + (_DAY.horizon[e] - _NIGHT.horizon[e]) * day
         bottom += (_GLOW[e] * max(day, 0.5) - bottom) * glow
         top = _NIGHT.zenith[e] + (_DAY.zenith[e] - _NIGHT.zenith[e]) * day
         rows[:, e] = np.float32(bottom) + np.float32(top - bottom) * high
-    place = np.clip(rise * np.float32(_CLOUD_ROWS), 0.0, np.float32(SHEET[0] - 1.001))
-    rows[:, 3] = np.floor(place)
-    rows[:, 4] = place - rows[:, 3]
     return rows
+
+
+def cloud_rows(view: CameraView) -> F32:
+    """Return the row of the cloud sheet for each row of pixels, and the weight of the next: [height, 2] float32."""
+    place = np.clip(_rises(view) * np.float32(_CLOUD_ROWS), 0.0, np.float32(SHEET[0] - 1.001))
+    low = np.floor(place)
+    return np.stack([low, place - low], axis=1).astype(np.float32)
+
+
+def _rises(view: CameraView) -> F32:
+    """Return the rise per metre ahead for each row of pixels."""
+    _, upwards = view.slopes()
+    return np.asarray(upwards * np.float32(view.up[2]) + np.float32(view.forward[2]), np.float32)
 
 
 def cloud_columns(view: CameraView) -> F32:

@@ -14,6 +14,91 @@ from oodscen.judging._parsing.unusable import TWO_ANSWERS, UnusableError
 
 LONGEST_ASPECT = 300
 """The longest prose that can be the name of an aspect, in characters."""
+_TRUTHS = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
+
+_IS_OOD = re.compile(
+    r"(?:is)?(?:ood|outofdistribution|outof(?:the)?ordinary|(?:anything|something)?unusual|anomal(?:y"
+    r"|ous)|abnormal)|answer"
+)
+"""Matches the names of members, as `spelt` spells them, that say whether something is out of the ordinary."""
+_ASPECT = re.compile(r"(?:the|one|main|named|ood|unusual)*aspect|what|label")
+"""Matches those that name the aspect beside a yes or no."""
+_NAMED = re.compile(rf"{_ASPECT.pattern}|answer")
+"""Matches those that name the aspect in answer to the paper's question."""
+_CONFIDENCE = re.compile(r"(?:confidence|certainty|probability)")
+_DETECTION = re.compile(f"{_IS_OOD.pattern}|{_ASPECT.pattern}|{_CONFIDENCE.pattern}")
+
+_ODD = r"(?:unusual|out of the ordinary|abnormal|anomalous|strange|out of distribution|ood)"
+_ORDINARY = r"(?:normal|ordinary|usual|typical|routine)"
+_IS = r"(?:is|are|looks?|seems?|appears?)"
+_SCENE = r"(?:image|picture|photo|frame|view|video|sequence|scene|scenario|situation|drive|road|street|traffic)s?"
+_THING = r"(?:aspect|thing|object|element|feature|event|detail|part|anomaly|anomalie|hazard|obstacle|problem)s?"
+_WHERE = rf"(?: (?:here|(?:in|on|about|with|of) (?:this|the|these) (?:\w+ )?{_SCENE}))?"
+_NOTHING_ODD = (
+    rf"(?:nothing{_WHERE}(?: (?:that )?{_IS})?(?: \w+ly)? {_ODD}|no {_ODD}"
+    rf"|no(?:ne of the)? (?:(?:single|one|clear|obvious|apparent|particular) )?(?:{_ODD} )?{_THING}{_WHERE}(?: (?:that )?{_IS} {_ODD})?)"
+)
+_NOTHING = re.compile(
+    rf"\W*(?:(?:that|and|with|but) )?(?:(?:there (?:is|are)|i (?:can )?(?:see|notice|find|detect)) )?"
+    rf"(?:none|nothing|nil|no|false|n/?a|not applicable|unknown|(?:not|nothing) {_ODD}|nothing stands out|{_NOTHING_ODD}"
+    r"|(?:(?:i (?:do not|don't) (?:see|notice|find|detect)|there (?:is not|isn't)) )any(?:thing)?"
+    rf" {_ODD}(?: {_THING})?)"
+    rf"{_WHERE}(?:(?: {_IS})? (?:found|detected|visible|present){_WHERE})?\W*"
+)
+"""Matches folded words that say, as a whole, that there is no aspect; "no driver, which is unusual" names one."""
+_USUAL_SCENE = re.compile(
+    rf"\W*(?:(?:everything|it|this|all|(?:the|this) (?:\w+ )?{_SCENE}){_WHERE} {_IS} )?(?:(?:an?|\w+ly|quite) )*"
+    rf"(?:{_ORDINARY}|not {_ODD})(?: (?:\w+ )?{_SCENE})?{_WHERE}\W*"
+)
+"""Matches folded words that call, as a whole, the scene ordinary."""
+
+_LABELLED = re.compile(r"\baspect ?[:=] ?([^\n]*\w[^\n]*)", re.IGNORECASE)
+"""Matches the label "aspect" in prose, and what follows it in its line."""
+_LAST_CONFIDENCE = re.compile(
+    rf"[\s.,;:(\u2013\u2014-]{{0,4}}(?:{CONFIDENT.pattern})[\s.)]{{0,4}}\Z", re.IGNORECASE
+)
+"""Matches a confidence that ends prose, with the marks around it."""
+_LEAD = re.compile(
+    r"\A\W*(?:the (?:main |one )?(?:ood|unusual|most unusual) (?:aspect|thing) is:? |yes\b\W*)",
+    re.IGNORECASE,
+)
+"""Matches what may lead to the name of an aspect in prose."""
+_MARKED = re.compile(
+    rf"\b(?<!not )(?:(?:is )?(?:{_ODD}|anomaly)|answer|verdict) ?\??(?: is)? ?[:=?] ?(yes|no|true|false)\b"
+    r"(?! ?(?:or\b|/|,? not\b|\w+ (?:is|are)\b))"
+)
+"""Matches a yes or no that is marked as the answer, in folded prose."""
+_QUESTION = re.compile(
+    rf"\A(?![^?]*(?:\bnot?\b|n't\b))[^?.!\n]{{0,200}}\b(?:{_ODD.replace(' ', '[ _-]')}|anomaly)[^?.!\n]{{0,200}}\? ?(?=(?:yes|no|true|false)\b)",
+    re.IGNORECASE,
+)
+"""Matches the question in one line of prose that repeats it before the answer."""
+_OPENING = re.compile(
+    rf"[\s(\u2022-]*(yes|no|true|false|(?:there is |i see )?nothing (?:is )?{_ODD}|everything (?:is|looks) (?:normal|ordinary))\b"
+    r"(?: here)?(?=\s*(?:[,.:;!\u2014\u2013-]|$))"
+)
+"""Matches an answer with which folded prose opens."""
+_USUAL = re.compile(
+    r"(?<!out of the )(?<!not )(?<!n't )(?<!not an )(?<!not a )"
+    rf"\b(?:{_ORDINARY}|nothing|no|none|fine|clear)\b"
+)
+"""Matches a word that goes with an answer of no, in folded prose."""
+_CLAUSES = re.compile(r"[,.;:!?()\n\u2013\u2014]+|(?<=\s)-|\band\b")
+"""Matches what stands between clauses."""
+_RETRACTS = re.compile(
+    rf"\W*(?:(?:it is|it's|this is|that is|all|just|only|an?|the|some|\w+ly) )*{_ORDINARY}\b.*"
+    rf"|.*\b{_IS} (?:(?!(?:not|no|out|far|anything|hardly|than|less|never)\b)\w+ ){{0,2}}{_ORDINARY}\b.*"
+    rf"|\W*(?:(?:everything|it|all|(?:the|this) (?:\w+ )?{_SCENE})(?: {_IS})? )?(?:fine|clear)\W*"
+    r"|.*\bas usual\W*",
+    re.DOTALL,
+)
+"""Matches a clause that does not go with an opening "yes"; "on a clear road" and "no driver" do."""
+_OPEN = re.compile(
+    r"\b(?:but|however|except|apart from|although|though|wait|actually|on second thought|unsure|not sure|unclear"
+    r"|hard to|can(?:not|'t| not) (?:tell|say|judge)|yes and no|or not|unless|otherwise|correction|scratch|maybe"
+    r"|(?:don't|not) know|no idea|either|would be|if)\b"
+)
+"""Matches words that retract an answer or leave it open."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +118,7 @@ def read_aspect(text: str) -> ParsedAnswer[Detected]:
 
     `is_ood` counts where the aspect does not go with it; the note then says so.
     """
-    answer = read(text, Question(_detection, _detected_in_prose, _DETECTION, _disowns))
+    answer = read(text, Question(_pick_detection, _detected_in_prose, _DETECTION, _disowns))
     if answer.value is None or answer.value.beside is None:
         return answer
     truth = "true" if answer.value.is_ood else "false"
@@ -44,35 +129,26 @@ def read_aspect(text: str) -> ParsedAnswer[Detected]:
 
 def read_named_aspect(text: str) -> ParsedAnswer[str]:
     """Return the aspect named in answer to the paper's question; empty if the answer says that there is none."""
-    return read(text, Question(_named_aspect, _named_in_prose, _NAMED, _disowns))
+    return read(text, Question(_pick_name, _named_in_prose, _NAMED, _disowns))
+
+
+def names_nothing(aspect: str) -> bool:
+    """Return whether an aspect is empty or says that there is none."""
+    plain = fold(aspect)
+    if not plain or _NOTHING.fullmatch(plain) or _USUAL_SCENE.fullmatch(plain):
+        return True
+    clauses = _CLAUSES.split(plain.rstrip(" .!"))
+    first, last = clauses[0], clauses[-1]
+    if _NOTHING.fullmatch(last):
+        return plain.startswith("no")
+    return bool(_NOTHING.fullmatch(first) and _USUAL_SCENE.fullmatch(last))
 
 
 def _disowns(reasons: str, _: object) -> bool:
     return is_against(fold(reasons))
 
 
-def names_nothing(aspect: str) -> bool:
-    """Return whether an aspect is empty or says that there is none."""
-    return not aspect.strip() or _NOTHING.search(aspect) is not None
-
-
-_NOTHING = re.compile(
-    r"^\W*(?:none|nothing|nil|no|n/?a|not applicable|unknown)\W*$|^\W*(?:there (?:is|are) )?(?:none|nothing|no)\b"
-    r".{0,40}\b(?:unusual|ordinary|ood|distribution|aspects?|anomal\w+)\W*$",
-    re.IGNORECASE,
-)
-
-_IS_OOD = re.compile(
-    r"(?:is)?(?:ood|outofdistribution|outof(?:the)?ordinary|(?:anything|something)?unusual|anomal(?:y"
-    r"|ous)|abnormal)|answer"
-)
-_ASPECT = re.compile(r"(?:the|one|main|named|ood|unusual)*aspect|what|label")
-_NAMED = re.compile(rf"{_ASPECT.pattern}|answer")
-_CONFIDENCE = re.compile(r"(?:confidence|certainty|probability)")
-_DETECTION = re.compile(f"{_IS_OOD.pattern}|{_ASPECT.pattern}|{_CONFIDENCE.pattern}")
-
-
-def _detection(value: Mapping[str, Any]) -> Detected | None:
+def _pick_detection(value: Mapping[str, Any]) -> Detected | None:
     answers = [member for member in members(value, _IS_OOD) if not is_placeholder(member)]
     if not answers:
         return None
@@ -82,42 +158,65 @@ def _detection(value: Mapping[str, Any]) -> Detected | None:
     is_ood = truths.pop()
     if is_ood is None:
         raise UnusableError(f"{str(answers[0])[:80]!r} is neither true nor false")
-    words = _words_of_aspect(value)
-    if is_ood and words and not re.search(r"\w", words):
-        raise UnusableError("the aspect is not named")
-    is_beside = names_nothing(words) if is_ood else not _says_usual(words)
-    confidences = members(value, _CONFIDENCE)
-    return Detected(
-        is_ood,
-        aspect=words if is_ood else "",
-        confidence=probability(confidences[0]) if confidences else None,
-        beside=words if is_beside else None,
-    )
+    confidence = _confidence(value)
+    if is_ood:
+        aspect = _words_of_aspect(value)
+        beside = aspect if names_nothing(aspect) else None
+        return Detected(True, aspect, confidence, beside)
+    thing = next((words for words in _aspects(value) if not _says_usual(words)), None)
+    return Detected(False, "", confidence, thing)
 
 
 def _words_of_aspect(value: Mapping[str, Any]) -> str:
-    return next((words for member in members(value, _ASPECT) if (words := words_in(member))), "")
+    """Return the words of the one aspect that is named; empty if none is."""
+    aspects = _aspects(value)
+    names = {words for words in aspects if not is_placeholder(words)}
+    if len(names) > 1:
+        raise UnusableError(TWO_ANSWERS)
+    if not aspects:
+        return ""
+    words = names.pop() if names else ""
+    _check_name(words)
+    return words
+
+
+def _aspects(value: Mapping[str, Any]) -> list[str]:
+    return [words for member in members(value, _ASPECT) if (words := words_in(member))]
+
+
+def _confidence(value: Mapping[str, Any]) -> float | None:
+    """Return the probability that the members state; `None` if they state none, or two."""
+    stated = {probability(member) for member in members(value, _CONFIDENCE)} - {None}
+    return stated.pop() if len(stated) == 1 else None
 
 
 def _says_usual(aspect: str) -> bool:
     """Return whether words of an aspect name nothing, or call it ordinary."""
-    if names_nothing(aspect) or not re.search(r"\w", aspect):
+    if names_nothing(aspect) or is_placeholder(aspect) or not re.search(r"\w", aspect):
         return True
     return _USUAL.search(fold(aspect)) is not None
 
 
-def _named_aspect(value: Mapping[str, Any]) -> str | None:
+def _pick_name(value: Mapping[str, Any]) -> str | None:
     names = {words_in(name) for name in members(value, _NAMED) if not is_placeholder(name)}
     if len(names) > 1:
         raise UnusableError(TWO_ANSWERS)
-    return _name_or_nothing(names.pop()) if names else None
+    if not names:
+        return None
+    name = names.pop()
+    return _name_or_nothing(name) if name else ""
 
 
 def _name_or_nothing(words: str) -> str:
     """Return the name of an aspect; empty if the words say that there is none."""
-    if words and not re.search(r"\w", words):
-        raise UnusableError("no aspect is named")
+    _check_name(words)
     return "" if names_nothing(words) else words
+
+
+def _check_name(words: str) -> None:
+    """Refuse words without a letter, and a mere yes."""
+    if not re.search(r"[^\W\d_]", words) or _TRUTHS.get(words.strip(" .!").casefold()):
+        raise UnusableError("the aspect is not named")
 
 
 def _truth(value: object) -> bool | None:
@@ -128,45 +227,43 @@ def _truth(value: object) -> bool | None:
     return _TRUTHS.get(value.strip().rstrip(" .!").casefold()) if isinstance(value, str) else None
 
 
-_TRUTHS = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
-
-
 def _detected_in_prose(prose: str) -> Detected | None:
     """Parse a "yes" or "no" that is marked as the answer, or opens the text with words that agree with it."""
     plain = fold(prose)
     marked = {_TRUTHS[match[1]] for match in _MARKED.finditer(plain)}
-    opening = _OPENING.match(plain)
     if len(marked) > 1:
         raise UnusableError(TWO_ANSWERS)
     if _OPEN.search(plain):
         return None
-    if marked:
+    answer = _QUESTION.sub("", prose)
+    plain = fold(answer)
+    opening = _OPENING.match(plain)
+    if marked and (opening is None or _MARKED.search(plain)):
         is_ood = marked.pop()
         aspect = _aspect_after_mark(prose) if is_ood else ""
         return Detected(is_ood, aspect, confidence_in(prose))
-    opening = _OPENING.match(plain)
     if opening is None or is_refusal(prose):
         return None
     is_ood = _TRUTHS.get(opening[1], False)
     if not _goes_with(plain[opening.end() :], is_ood=is_ood):
         raise UnusableError("what follows yes or no does not go with it")
-    aspect = _aspect_after_yes(prose) if is_ood else ""
+    aspect = _aspect_after_yes(answer) if is_ood else ""
     return Detected(is_ood, aspect, confidence_in(prose))
 
 
 def _goes_with(rest: str, *, is_ood: bool) -> bool:
     """Return whether the words after an opening "yes" or "no" go with it."""
-    says_usual = _USUAL.search(rest) is not None
     if is_ood:
-        return not says_usual
-    return says_usual or not re.search(r"[^\W\d]{2}", CONFIDENT.sub("", rest))
+        clauses = [clause.strip() for clause in _CLAUSES.split(rest)]
+        return not any(_NOTHING.fullmatch(one) or _RETRACTS.fullmatch(one) for one in clauses)
+    return _USUAL.search(rest) is not None or not re.search(r"[^\W\d]{2}", CONFIDENT.sub("", rest))
 
 
 def _aspect_after_mark(prose: str) -> str:
     """Return the labelled aspect beside a marked answer; empty if there is none."""
     aspect = _labelled(prose)
     if aspect is None:
-        _check_short(CONFIDENT.sub("", prose))
+        _check_short(_MARKED.sub("", fold(CONFIDENT.sub("", prose))))
         return ""
     return "" if names_nothing(aspect) else aspect
 
@@ -177,7 +274,7 @@ def _aspect_after_yes(prose: str) -> str:
     if aspect is None:
         rest = CONFIDENT.sub("", re.sub(r"\A\W*\w+\W*", "", prose, count=1))
         _check_short(rest)
-        aspect = rest.strip(" \n.,:;!()\u2014\u2013-")
+        aspect = rest.strip(" \n.,:;!()\u2014\u2013-") if re.search(r"[^\W\d_]", rest) else ""
     return "" if names_nothing(aspect) else aspect
 
 
@@ -195,38 +292,24 @@ def _named_in_prose(prose: str) -> str | None:
     is_short = 0 < len(plain.split()) <= 20 and len(re.findall(r"[.!?](?:\s|$)", plain)) <= 1
     if not is_short or is_refusal(prose) or _OPEN.search(plain) or plain.endswith(("?", ":")):
         return None
-    return _name_or_nothing(_LEAD.sub("", prose).strip(" \n.")) if re.search(r"\w", plain) else None
+    if not re.search(r"\w", plain):
+        return None
+    words = _without_confidence(_LEAD.sub("", prose))
+    if _OPENING.match(fold(words)) and not names_nothing(words):
+        raise UnusableError("what follows no does not go with it")
+    return _name_or_nothing(words)
 
 
 def _labelled(prose: str) -> str | None:
-    """Return what follows the label "aspect"; `None` without the label."""
-    aspects = {match[1].strip(" .'") for match in _LABELLED.finditer(prose)}
+    """Return what follows the label "aspect", without a confidence; `None` without the label."""
+    aspects = {_without_confidence(match[1]).strip(" '") for match in _LABELLED.finditer(prose)}
     if len(aspects) > 1:
         raise UnusableError(TWO_ANSWERS)
+    for aspect in aspects:
+        _check_name(aspect)
     return aspects.pop() if aspects else None
 
 
-_LABELLED = re.compile(r"\baspect ?[:=] ?([^\n]*\w[^\n]*)", re.IGNORECASE)
-_LEAD = re.compile(
-    r"\A\W*(?:the (?:main |one )?(?:ood|unusual|most unusual) (?:aspect|thing) is:? |yes, )",
-    re.IGNORECASE,
-)
-_ODD = r"(?:unusual|out of the ordinary|abnormal|anomalous|strange|out of distribution|ood)"
-_MARKED = re.compile(
-    rf"\b(?:(?:is )?(?:{_ODD}|anomaly)|answer|verdict) ?\??(?: is)? ?[:=?] ?(yes|no|true|false)\b"
-    r"(?! ?(?:or\b|/|,? not\b|\w+ (?:is|are)\b))"
-)
-_OPENING = re.compile(
-    rf"[\s(\u2022-]*(yes|no|true|false|(?:there is |i see )?nothing (?:is )?{_ODD}|everything (?:is|looks) (?:normal|ordinary))\b"
-    r"(?: here)?(?=\s*(?:[,.:;!\u2014\u2013-]|$))"
-)
-_USUAL = re.compile(
-    r"(?<!out of the )(?<!not )(?<!n't )(?<!not an )(?<!not a )"
-    r"\b(?:normal|ordinary|usual|typical|routine|nothing|no|none|fine|clear)\b"
-)
-_OPEN = re.compile(
-    r"\b(?:but|however|except|apart from|although|though|wait|actually|on second thought|unsure|not sure|unclear"
-    r"|hard to|can(?:not|'t| not) (?:tell|say|judge)|yes and no|or not|unless|otherwise|correction|scratch|maybe"
-    r"|(?:don't|not) know|no idea|either|would be|if)\b"
-)
-"""Matches words that retract an answer or leave it open."""
+def _without_confidence(words: str) -> str:
+    """Return the words of an aspect without the confidence that ends them."""
+    return _LAST_CONFIDENCE.sub("", words).strip(" \n.")

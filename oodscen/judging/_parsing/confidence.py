@@ -39,7 +39,7 @@ _NUMBER = re.compile(
 _SHARE = r"\d{1,3}(?:\.\d{1,30})? ?(?:%|percent|/ ?10{1,2}\b|out of 10\b)"
 CONFIDENT = re.compile(
     rf"(?:confidence|certainty)(?: (?:level|is|of|at|about))* ?[:=]? ?(?P<after>{_SHARE}|\d+(?:[.,]\d+)?(?!\w|[.,]\d))"
-    rf"|\((?P<alone>0?\.\d+|1(?:\.0+)?|{_SHARE})\)|(?P<before>{_SHARE}) (?:sure|certain|confident)",
+    rf"|\((?P<alone>0?\.\d+|1(?:\.0+)?|{_SHARE})\)|(?:(?:with|i am|i'm) )?(?P<before>{_SHARE}) (?:sure|certain|confident|confidence|certainty)",
     re.IGNORECASE,
 )
 

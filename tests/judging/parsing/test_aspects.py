@@ -30,6 +30,20 @@ from oodscen.judging._parsing.confidence import probability
         ("OOD: yes\nOOD: no", None),
         ("Yes, the road is ordinary.", None),
         ("No, a deer.", None),
+        ("Yes. 95%", Detected(True)),
+        ("Yes, with 80% confidence: a cow", Detected(True, "a cow", 0.8)),
+        ("Yes. Aspect: a deer. Confidence: 80%", Detected(True, "a deer", 0.8)),
+        ("Yes. Aspect: a cow (0.9)", Detected(True, "a cow", 0.9)),
+        ("Is anything out of the ordinary? Yes: thick fog.", Detected(True, "thick fog")),
+        ("Is it unusual? No. Is it OOD? Yes.", None),
+        ("Is the scene not unusual? No", None),
+        ('{"is_ood": true, "aspect": "<the thing>"}', None),
+        ('{"is_ood": true, "aspect": "<the thing>", "what": "a cow"}', Detected(True, "a cow")),
+        ('{"is_ood": true, "aspect": "a cow", "what": "a fire"}', None),
+        ('{"is_ood": true, "aspect": "a cow", "what": "a cow"}', Detected(True, "a cow")),
+        ('{"is_ood": false, "aspect": "none", "what": "nothing"}', Detected(False)),
+        ('{"is_ood": false, "confidence": 0.9, "certainty": 0.2}', Detected(False)),
+        ('{"is_ood": false, "confidence": 0.9, "certainty": "90%"}', Detected(False, "", 0.9)),
         ("Yes, a deer. That was a lie.", None),
         ("> yes", None),
         ('{"is_ood": true, "reasoning": "This is not my answer."}', None),
@@ -53,6 +67,8 @@ def test_whether_what_and_how_surely(said, found):
         ('{"aspect": ""}', ""),
         ("There is nothing unusual.", ""),
         ("None.", ""),
+        ("Aspect: a deer. Confidence: 80%", "a deer"),
+        ("Yes. A deer", "A deer"),
     ],
 )
 def test_a_named_aspect(said, aspect):
@@ -72,11 +88,95 @@ def test_a_named_aspect(said, aspect):
         ('{"aspect": "a deer", "aspect": "a box"}', "unparsed"),
         ("I don't know.", "unparsed"),
         ("A deer? Or a dog?", "unparsed"),
+        ("Yes", "unparsed"),
+        ("True.", "unparsed"),
+        ("42", "unparsed"),
+        ('{"aspect": "yes"}', "unparsed"),
+        ("No, a deer.", "unparsed"),
         ("word " * 200_000, "unparsed"),
     ],
 )
 def test_what_names_no_aspect_is_told_apart(said, outcome):
     assert read_named_aspect(said).outcome == outcome
+
+
+ABSENT = (
+    "No driver in the car", "No lights on the lorry", "None of the traffic lights work", "No road markings",
+    "Nothing holds the load", "There is no driver in the car", "No wheels on an ordinary car",
+)  # fmt: skip
+NOTHING = (
+    "There is nothing unusual", "There is no OOD aspect", "Everything looks normal", "Nothing stands out", "I see nothing",
+    "There are no unusual objects", "Nothing is out of the ordinary", "No anomalies", "Nothing seems strange", "No aspect",
+    "None of the objects are unusual", "There isn't anything unusual", "It is not unusual", "No unusual aspect is visible",
+    "No deer, no dog: nothing unusual",
+)  # fmt: skip
+
+
+@given(
+    st.sampled_from(ABSENT),
+    st.sampled_from(["", ", which is unusual", ", very unusual", " - unusual"]),
+    st.sampled_from(["", "."]),
+)
+def test_what_is_absent_is_an_aspect(absent: str, tail: str, end: str) -> None:
+    assert read_named_aspect(f"{absent}{tail}{end}").value == f"{absent}{tail}"
+    said = json.dumps({"aspect": f"{absent}{tail}"})
+    assert read_named_aspect(said).value == f"{absent}{tail}"
+
+
+@given(
+    st.sampled_from(NOTHING),
+    st.sampled_from(["", " here", " in this image", " in the scene", " in these frames"]),
+    st.sampled_from(["", ".", "!"]),
+)
+def test_a_denial_is_no_aspect(denial: str, where: str, end: str) -> None:
+    assert read_named_aspect(f"{denial}{where}{end}").value == ""
+    assert read_named_aspect(json.dumps({"aspect": f"{denial}{where}{end}"})).value == ""
+
+
+@given(
+    st.sampled_from(["Unusual", "OOD", "Is this scene unusual", "Anomaly", "Is it out of the ordinary"]),
+    st.sampled_from(["? ", ": "]),
+    st.sampled_from(["", ".", "!", "\nConfidence: 80%"]),
+)  # fmt: skip
+def test_yes_and_no_are_read_alike(question: str, mark: str, end: str) -> None:
+    for said, is_ood in (("Yes", True), ("No", False)):
+        found = read_aspect(f"{question}{mark}{said}{end}").value
+        assert found == Detected(is_ood, "", 0.8 if "80" in end else None)
+
+
+@pytest.mark.parametrize(
+    "aspect",
+    [
+        "no driver behind the wheel",
+        "a car with no wheels",
+        "a deer on a clear road",
+        "a pedestrian in the usual lane",
+        "the fog is thicker than usual",
+        "the traffic lights show nothing",
+        "there is no driver in the car",
+    ],
+)
+def test_a_hazard_of_absence_goes_with_yes(aspect: str) -> None:
+    assert read_aspect(f"Yes, {aspect}.").value == Detected(True, aspect)
+
+
+@pytest.mark.parametrize(
+    "rest",
+    [
+        "everything is normal", "nothing unusual", "there is nothing unusual here", "no anomalies", "the scene is clear", "all normal",
+        "a typical street", "I see none", "there are no hazards", "it is ordinary", "cars behave as usual", "a car, but ordinary",
+    ],
+)  # fmt: skip
+def test_an_ordinary_scene_does_not_go_with_yes(rest: str) -> None:
+    assert read_aspect(f"Yes, {rest}.").outcome == "unparsed"
+
+
+@pytest.mark.parametrize("part", ["unusual ", "no ", "lly ", "is ", "....", "a, ", "confidence "])
+def test_long_answers_are_read_at_once(part: str) -> None:
+    for said in (part * 20_000, f"Yes, {part * 20_000}", f"Aspect: {part * 20_000}"):
+        read_aspect(said)
+        read_named_aspect(said)
+        names_nothing(said)
 
 
 @given(st.text(max_size=60))

@@ -127,6 +127,17 @@ def test_a_spawn_needs_a_blueprint_a_parent_and_room(served):
     )
 
 
+def test_what_is_attached_takes_no_room_at_its_relative_place(served):
+    car, bale = served.spawn(CAR, 100.0, 1.7), [1, "static.prop.haybale", []]
+    place = [[0.0, 0.0, 3.0], [0.0, 0.0, 0.0]]
+    for _ in range(2):
+        served.get("spawn_actor_with_parent", bale, place, car, 0, "")
+    free = served.get("spawn_actor", bale, place)[0]
+    assert "collision at spawn position" in served.error("spawn_actor", bale, place)
+    served.get("spawn_actor_with_parent", bale, place, car, 0, "")
+    assert not served.world.actors[free].parent
+
+
 def test_what_hangs_on_a_vehicle_goes_with_it(served):
     car = served.spawn(CAR)
     place = [[1.0, 0.0, 2.0], [0.0, 0.0, 0.0]]

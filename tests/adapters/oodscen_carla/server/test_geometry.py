@@ -1,6 +1,7 @@
 import math
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from oodscen_carla.server._geometry import OrientedBox, matrix, mounted, rotated, transform_of
@@ -16,6 +17,22 @@ BOXES = st.builds(
     ),
     st.tuples(*[st.floats(0.1, 5.0)] * 3),
 )
+
+
+@pytest.mark.parametrize(
+    ("rotation", "forward", "right", "up"),
+    [
+        ((90.0, 0.0, 0.0), (0, 0, 1), (0, 1, 0), (-1, 0, 0)),
+        ((0.0, 90.0, 0.0), (0, 1, 0), (-1, 0, 0), (0, 0, 1)),
+        ((0.0, 0.0, 90.0), (1, 0, 0), (0, 0, -1), (0, 1, 0)),
+        ((0.0, 90.0, 90.0), (0, 1, 0), (0, 0, -1), (-1, 0, 0)),
+        ((90.0, 90.0, 0.0), (0, 0, 1), (-1, 0, 0), (0, -1, 0)),
+    ],
+)
+def test_axes_turn_the_way_of_carla(rotation, forward, right, up):
+    """The vectors are those of CARLA's `Transform.get_forward_vector`, `get_right_vector` and `get_up_vector`."""
+    axes = matrix(Transform((1.0, 2.0, 3.0), rotation))[:3, :3].T
+    assert np.allclose(axes, [forward, right, up])
 
 
 @given(TRANSFORMS, TRANSFORMS)

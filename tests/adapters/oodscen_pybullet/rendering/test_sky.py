@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from oodscen_pybullet._lighting.light import Light
-from oodscen_pybullet._rendering.sky import clear_sky, cloud_columns, cloud_sheet
+from oodscen_pybullet._rendering.sky import clear_sky, cloud_columns, cloud_rows, cloud_sheet
 from oodscen_pybullet._rendering.view import CameraView
 
 from oodscen.data._scene import Weather
@@ -40,9 +40,18 @@ def test_rain_and_snow_dim_the_view_the_more_the_harder_they_fall() -> None:
 def test_skies_are_bright_by_day_and_dark_by_night_and_bluest_above() -> None:
     day = clear_sky(VIEW, Weather(), DAY)
     night = clear_sky(VIEW, Weather(sun_elevation_deg=-20.0), NIGHT)
-    assert day.shape == (120, 5)
-    assert day[:60, :3].min() > 60.0 > night[:60, :3].max()
+    assert day.shape == (120, 3)
+    assert day[:60].min() > 60.0 > night[:60].max()
     assert (np.diff(day[:50, 2] - day[:50, 0]) <= 0.0).all()
+
+
+def test_rows_of_clouds_rise_with_the_view_and_stay_on_the_sheet() -> None:
+    places = cloud_rows(VIEW)
+    assert places.shape == (120, 2)
+    assert (np.diff(places.sum(axis=1)) <= 0.0).all()
+    assert places[:, 0].min() >= 0.0
+    assert places[:, 0].max() + 1 < cloud_sheet(4).shape[0]
+    assert ((places[:, 1] >= 0.0) & (places[:, 1] < 1.0)).all()
 
 
 @given(st.floats(-10, 10))
