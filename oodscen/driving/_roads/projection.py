@@ -1,9 +1,28 @@
 """Projection of many points onto a corridor at once."""
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.numerics._exact import Floats
+
+_COARSE = 16
+"""Samples of a road between those that the search for a segment begins with, and the most that it moves at once."""
+_MOST_MOVES, _MOST_REFINEMENTS = 40, 4
+"""Moves of the search for a segment, and steps of Newton's method within it."""
+
+
+class _Segment(NamedTuple):
+    """The segments of a corridor that points lie beside, and the points' way along them; all arrays are [n]."""
+
+    begin: NDArray[np.intp]
+    """Samples at which the segments begin."""
+    before: Floats
+    """Distance to the plane across the road at the segment's begin, m; negative in front of it."""
+    after: Floats
+    """The same at its end; positive beyond it."""
 
 
 def places(corridor: Corridor, x: Floats, y: Floats) -> tuple[Floats, Floats, Floats, Floats]:
@@ -11,45 +30,74 @@ def places(corridor: Corridor, x: Floats, y: Floats) -> tuple[Floats, Floats, Fl
 
     The places are those of `Corridor.locate`, except for the last bits.
     """
-    shape, px, py = x.shape, x.reshape(-1), y.reshape(-1)
+    px, py = x.reshape(-1), y.reshape(-1)
     norm = np.sqrt(corridor.cos * corridor.cos + corridor.sin * corridor.sin)
-    cos, sin, step = corridor.cos / norm, corridor.sin / norm, corridor.step
+    cos, sin = corridor.cos / norm, corridor.sin / norm
+    segment = _nearest_segments(corridor, cos, sin, px, py)
+    begin, end = segment.begin, segment.begin + 1
+    x0, y0, cos0, sin0 = corridor.x[begin], corridor.y[begin], cos[begin], sin[begin]
+    dx, dy = corridor.x[end] - x0, corridor.y[end] - y0
+    dcos, dsin = cos[end] - cos0, sin[end] - sin0
+    # The share of the segment at which the plane across the road, turned evenly along it, holds the point.
+    span = segment.before - segment.after
+    share = np.where(span > 0.0, segment.before / np.where(span > 0.0, span, 1.0), 0.0)
+    for _ in range(_MOST_REFINEMENTS):
+        ax, ay = px - x0 - share * dx, py - y0 - share * dy
+        heading_cos, heading_sin = cos0 + share * dcos, sin0 + share * dsin
+        along = ax * heading_cos + ay * heading_sin
+        slope = ax * dcos + ay * dsin - dx * heading_cos - dy * heading_sin
+        share = share - np.where(slope == 0.0, 0.0, along / np.where(slope == 0.0, 1.0, slope))
+    is_in_front, is_beyond = segment.before < 0.0, segment.after > 0.0
+    share = np.where(is_in_front, 0.0, np.where(is_beyond, 1.0, share))
+    heading_cos, heading_sin = cos0 + share * dcos, sin0 + share * dsin
+    length = np.sqrt(heading_cos * heading_cos + heading_sin * heading_sin)
+    heading_cos, heading_sin = heading_cos / length, heading_sin / length
+    ax, ay = px - x0 - share * dx, py - y0 - share * dy
+    s = np.where(is_beyond, corridor.length + segment.after, (begin + share) * corridor.step)
+    s = np.where(is_in_front, segment.before, s)
+    t = ay * heading_cos - ax * heading_sin
+    shape = x.shape
+    return (
+        s.reshape(shape),
+        t.reshape(shape),
+        heading_cos.reshape(shape),
+        heading_sin.reshape(shape),
+    )
+
+
+def _nearest_segments(
+    corridor: Corridor, cos: Floats, sin: Floats, x: Floats, y: Floats
+) -> _Segment:
+    """Return the segment beside each point, from the nearest of a few samples on.
+
+    Args:
+        corridor: The road.
+        cos: [samples] cosine of its heading.
+        sin: [samples] sine of it.
+        x: [n] m
+        y: [n] m
+    """
     last = len(corridor.s) - 2
-    coarse = np.arange(0, last + 2, 16)
-    square = (px[:, None] - corridor.x[coarse]) ** 2 + (py[:, None] - corridor.y[coarse]) ** 2
-    index = np.minimum(coarse[square.argmin(axis=1)], last)
-    for _ in range(40):
-        before = (px - corridor.x[index]) * cos[index] + (py - corridor.y[index]) * sin[index]
-        after = (px - corridor.x[index + 1]) * cos[index + 1]
-        after += (py - corridor.y[index + 1]) * sin[index + 1]
-        back = -1 - np.minimum((-before / (2.0 * step)).astype(np.intp), 16)
-        on = 1 + np.minimum((after / (2.0 * step)).astype(np.intp), 16)
-        shift = np.where(before < 0.0, back, np.where(after > 0.0, on, 0))
-        moved = np.clip(index + shift, 0, last)
+    coarse = np.arange(0, last + 2, _COARSE)
+    squares = (x[:, None] - corridor.x[coarse]) ** 2 + (y[:, None] - corridor.y[coarse]) ** 2
+    index = np.minimum(coarse[squares.argmin(axis=1)], last)
+    for _ in range(_MOST_MOVES):
+        before = (x - corridor.x[index]) * cos[index] + (y - corridor.y[index]) * sin[index]
+        after = (x - corridor.x[index + 1]) * cos[index + 1]
+        after += (y - corridor.y[index + 1]) * sin[index + 1]
+        back = -1 - _half_steps(-before, corridor.step)
+        on = 1 + _half_steps(after, corridor.step)
+        move = np.where(before < 0.0, back, np.where(after > 0.0, on, 0))
+        moved = np.clip(index + move, 0, last)
         if np.array_equal(moved, index):
             break
         index = moved
-    x0, y0, c0, s0 = corridor.x[index], corridor.y[index], cos[index], sin[index]
-    dx, dy = corridor.x[index + 1] - x0, corridor.y[index + 1] - y0
-    dc, ds = cos[index + 1] - c0, sin[index + 1] - s0
-    span = before - after
-    f = np.where(span > 0.0, before / np.where(span > 0.0, span, 1.0), 0.0)
-    for _ in range(4):
-        ax, ay = px - x0 - f * dx, py - y0 - f * dy
-        hc, hs = c0 + f * dc, s0 + f * ds
-        along = ax * hc + ay * hs
-        slope = ax * dc + ay * ds - dx * hc - dy * hs
-        f = f - np.where(slope == 0.0, 0.0, along / np.where(slope == 0.0, 1.0, slope))
-    is_before, is_after = before < 0.0, after > 0.0
-    f = np.where(is_before, 0.0, np.where(is_after, 1.0, f))
-    hc, hs = c0 + f * dc, s0 + f * ds
-    length = np.sqrt(hc * hc + hs * hs)
-    hc, hs = hc / length, hs / length
-    ax, ay = px - x0 - f * dx, py - y0 - f * dy
-    s = (index + f) * step
-    s = np.where(is_before, before, np.where(is_after, corridor.length + after, s))
-    t = ay * hc - ax * hs
-    return s.reshape(shape), t.reshape(shape), hc.reshape(shape), hs.reshape(shape)
+    return _Segment(index, before, after)
+
+
+def _half_steps(distance: Floats, step: float) -> NDArray[np.intp]:
+    """Return half of the samples in a distance, so that the search does not overshoot in a bend."""
+    return np.minimum((distance / (2.0 * step)).astype(np.intp), _COARSE)
 
 
 def lanes(corridor: Corridor, strip: int, s: Floats, t: Floats) -> Floats:
