@@ -48,8 +48,6 @@ __all__ = [
     "Usage",
 ]
 
-# ------------------------------------------------------------------ language models
-
 
 @dataclass(frozen=True, repr=False)
 class Request(Brief):
@@ -121,9 +119,6 @@ class LLM(Protocol):
         ...
 
 
-# ------------------------------------------------------------------ encoders
-
-
 @runtime_checkable
 class Encoder(Protocol):
     """A text encoder.
@@ -148,9 +143,6 @@ class Encoder(Protocol):
             EncoderError: If there are no vectors.
         """
         ...
-
-
-# ------------------------------------------------------------------ simulators
 
 
 MAX_AWAY_M = 1e6
@@ -369,9 +361,6 @@ class Simulator(Protocol):
     def __enter__(self) -> Self: ...
 
     def __exit__(self, *error: object) -> None: ...
-
-
-# ------------------------------------------------------------------ drivers
 
 
 @with_fields
