@@ -28,7 +28,8 @@ class _Segment(NamedTuple):
 def places(corridor: Corridor, x: Floats, y: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Return s and t of points of any shape on a road, and cosine and sine of the road's heading there.
 
-    The places are those of `Corridor.locate`, except for the last bits.
+    The places are those of `Corridor.locate`, except for the last bits and for points to which several parts of
+    a bent road are about equally near.
     """
     px, py = x.reshape(-1), y.reshape(-1)
     norm = np.sqrt(corridor.cos * corridor.cos + corridor.sin * corridor.sin)
@@ -47,7 +48,8 @@ def places(corridor: Corridor, x: Floats, y: Floats) -> tuple[Floats, Floats, Fl
         along = ax * heading_cos + ay * heading_sin
         slope = ax * dcos + ay * dsin - dx * heading_cos - dy * heading_sin
         share = share - np.where(slope == 0.0, 0.0, along / np.where(slope == 0.0, 1.0, slope))
-    is_in_front, is_beyond = segment.before < 0.0, segment.after > 0.0
+    is_in_front = (segment.before < 0.0) & (begin == 0)
+    is_beyond = (segment.after > 0.0) & (begin == len(corridor.s) - 2)
     share = np.where(is_in_front, 0.0, np.where(is_beyond, 1.0, share))
     heading_cos, heading_sin = cos0 + share * dcos, sin0 + share * dsin
     length = np.sqrt(heading_cos * heading_cos + heading_sin * heading_sin)
@@ -81,6 +83,8 @@ def _nearest_segments(
     coarse = np.arange(0, last + 2, _COARSE)
     squares = (x[:, None] - corridor.x[coarse]) ** 2 + (y[:, None] - corridor.y[coarse]) ** 2
     index = np.minimum(coarse[squares.argmin(axis=1)], last)
+    # Beyond the centre of a bend, the distances alone would lead back and forth for ever.
+    low, high = np.zeros_like(index), np.full_like(index, last)
     for _ in range(_MOST_MOVES):
         before = (x - corridor.x[index]) * cos[index] + (y - corridor.y[index]) * sin[index]
         after = (x - corridor.x[index + 1]) * cos[index + 1]
@@ -88,7 +92,9 @@ def _nearest_segments(
         back = -1 - _half_steps(-before, corridor.step)
         on = 1 + _half_steps(after, corridor.step)
         move = np.where(before < 0.0, back, np.where(after > 0.0, on, 0))
-        moved = np.clip(index + move, 0, last)
+        high = np.where(before < 0.0, np.maximum(index - 1, low), high)
+        low = np.where((before >= 0.0) & (after > 0.0), np.minimum(index + 1, high), low)
+        moved = np.clip(index + move, low, high)
         if np.array_equal(moved, index):
             break
         index = moved
