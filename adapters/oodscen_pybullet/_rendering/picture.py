@@ -1,7 +1,7 @@
 """Development of a raw shot into the picture that a camera would record."""
 
+from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
-from threading import Thread
 
 import numpy as np
 
@@ -60,9 +60,6 @@ def _in_bands(plate: Plate, image: U8, threads: int) -> None:
     """Let each of some threads develop a band of the picture."""
     edges = [len(image) * band // threads for band in range(threads + 1)]
     bands = [(plate, image, first, end) for first, end in pairwise(edges)]
-    others = [Thread(target=postprocess_pixels, args=band) for band in bands[1:]]
-    for other in others:
-        other.start()
-    postprocess_pixels(*bands[0])
-    for other in others:
-        other.join()
+    with ThreadPoolExecutor(threads) as pool:
+        for band in [pool.submit(postprocess_pixels, *band) for band in bands]:
+            band.result()
