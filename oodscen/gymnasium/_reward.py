@@ -15,8 +15,8 @@ CRITICAL_TTC_S = 1.5
 class Reward:
     """The weights of a reward, which is their sum over what happened in a step.
 
-    The defaults let a drive of ten seconds at constant speed earn about 10. A collision costs more than any
-    progress before it can earn, and standing still from the start earns 0.
+    The defaults let a drive of ten seconds at constant speed earn about 10. A collision costs as
+    much as 20 s of progress earn, and standing still from the start earns 0.
     """
 
     progress: float = 1.0
@@ -49,7 +49,8 @@ class Reward:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            finite_number(f"reward: {field.name}", getattr(self, field.name), -1e6, 1e6)
+            weight = finite_number(f"reward: {field.name}", getattr(self, field.name), -1e6, 1e6)
+            object.__setattr__(self, field.name, weight)
 
     def terms(
         self,

@@ -1,5 +1,7 @@
+import json
 from dataclasses import fields
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -64,3 +66,12 @@ def test_weights_that_do_not_exist_or_are_no_numbers_are_refused():
         Reward.of({"offset": 0.0, "speed": 1.0})
     with pytest.raises(UsageError, match="offset"):
         Reward.of({"offset": "much"})
+
+
+def test_weights_of_numpy_become_numbers_of_python():
+    reward = Reward.of({"collision": np.float32(-20), "progress": 2})
+    terms = reward.terms(
+        0.1, progress=1, offset_m=0, deceleration=0, ttc_s=9, collision=True, off_road=False
+    )
+    assert {type(term) for term in terms.values()} == {float}
+    assert json.loads(json.dumps(terms)) == terms
