@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterable, Sequence
 from functools import partial
-from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 from oodscen._arguments import checked
 from oodscen._display import Brief
 from oodscen._members import conforming
-from oodscen._numbers import finite_number, said, seed_number, whole_number
+from oodscen._numbers import finite_number, seed_number, whole_number
 from oodscen._progress import Progress, reporting
 from oodscen._seeding import stream
 from oodscen.baselines._baseline import Baseline
@@ -33,6 +32,7 @@ from oodscen.errors import DataError, Issue, UsageError
 from oodscen.metrics._comparison import Comparison, SetDistance, compare, distance
 from oodscen.metrics._detection.guard import THRESHOLD, OffTopicFlags
 from oodscen.metrics._diversity import Diversity, diversity
+from oodscen.metrics._groups import group_name, paths_of
 from oodscen.metrics._oodness import Definition, Measure, Oodness, oodness
 from oodscen.metrics._rarity.asking import DRAWS, ask_rarity
 from oodscen.metrics._rarity.estimates import Rarity, estimate_rarity
@@ -102,7 +102,7 @@ class Metrics(Brief):
             DataError: If there is no text, or one is blank or not a text.
             EncoderError: If the encoder fails.
         """
-        return oodness(self._space, check_texts(texts), _paths(texts), definition)
+        return oodness(self._space, check_texts(texts), paths_of(texts), definition)
 
     def rarity(
         self,
@@ -169,7 +169,7 @@ class Metrics(Brief):
             EncoderError: If the encoder fails.
         """
         vectors = self._space.vectors(check_texts(texts))
-        return diversity(vectors, self.encoder.name, _paths(texts), seed=self.seed)
+        return diversity(vectors, self.encoder.name, paths_of(texts), seed=self.seed)
 
     def report(
         self,
@@ -200,7 +200,7 @@ class Metrics(Brief):
             EncoderError: If the encoder fails.
         """
         plain = check_texts(texts)
-        clusters = _paths(texts) if groups is None else tuple(map(_group, groups))
+        clusters = paths_of(texts) if groups is None else tuple(map(group_name, groups))
         if clusters is not None and len(clusters) != len(plain):
             issue = Issue("", f"has {len(clusters)} labels for {len(plain)} texts")
             raise DataError("groups", [issue])
@@ -472,7 +472,7 @@ class Metrics(Brief):
         return compare(
             self._space,
             sets,
-            (_paths(a), _paths(b)),
+            (paths_of(a), paths_of(b)),
             size=size,
             repeats=repeats,
             paired=paired,
@@ -491,27 +491,3 @@ def _as_baseline(
         is_embedded = Path(baseline).suffix in EMBEDDED
         return open_embeddings(baseline, encoder) if is_embedded else load_baseline(baseline)
     return Baseline(texts=check_texts(baseline, Baseline.noun))
-
-
-def _group(label: object) -> str:
-    """Return the name of a group: a label, a number, or the labels of a path.
-
-    Raises:
-        UsageError: If it is something else.
-    """
-    if isinstance(label, str):
-        return label
-    if isinstance(label, Integral) and not isinstance(label, bool):
-        return str(label)
-    parts = list(label) if isinstance(label, Sequence | np.ndarray) else []
-    if not parts or not all(isinstance(part, str) for part in parts):
-        raise UsageError(
-            f"each element of groups must be a label or a path of labels, not {said(label, 80)}"
-        )
-    return " / ".join(parts)
-
-
-def _paths(texts: Texts) -> tuple[str, ...] | None:
-    """Return the path of each text, for clustering; `None` unless all are scenarios with a path."""
-    paths = [_group(text.path) for text in texts if isinstance(text, Scenario) and text.path]
-    return tuple(paths) if len(paths) == len(texts) else None
