@@ -1,6 +1,6 @@
 """The things and movements that dropped leaves lack, and the leaves' second judgement once these are made."""
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from oodscen.data._additions import Addition
@@ -46,14 +46,19 @@ def additions_to_make(decision: PruneDecision) -> tuple[Addition, ...]:
     return decision.lacks if is_makeable(decision) else decision.made_as
 
 
+def _in_order(tree: ScenarioTree, decisions: Iterable[PruneDecision]) -> Iterator[PruneDecision]:
+    """Yield the decisions about leaves of a tree in the tree's order."""
+    by_id = {decision.id: decision for decision in decisions}
+    yield from (by_id[leaf.id] for leaf in tree.leaves if leaf.id in by_id)
+
+
 def wanted_things(
     tree: ScenarioTree, decisions: Iterable[PruneDecision], catalogue: Catalogue
 ) -> list[WantedThing]:
     """Return the things whose making may restore dropped leaves, each once, in the order of the tree."""
-    by_id = {decision.id: decision for decision in decisions}
     assets = {asset.id for asset in catalogue.assets}
     things: dict[str, WantedThing] = {}
-    for decision in (by_id[leaf.id] for leaf in tree.leaves if leaf.id in by_id):
+    for decision in _in_order(tree, decisions):
         for addition in additions_to_make(decision):
             if addition.kind == "asset" and is_id(addition) and addition.name not in assets:
                 category = addition.category or "object"
@@ -66,10 +71,9 @@ def wanted_motions(
     tree: ScenarioTree, decisions: Iterable[PruneDecision], catalogue: Catalogue
 ) -> list[WantedMotion]:
     """Return the movements whose making may restore dropped leaves, each once, in the order of the tree."""
-    by_id = {decision.id: decision for decision in decisions}
     behaviours = {behaviour.id for behaviour in catalogue.behaviours}
     motions: dict[str, WantedMotion] = {}
-    for decision in (by_id[leaf.id] for leaf in tree.leaves if leaf.id in by_id):
+    for decision in _in_order(tree, decisions):
         additions = additions_to_make(decision)
         categories = dict.fromkeys(addition.category for addition in additions if addition.category)
         for addition in additions:
