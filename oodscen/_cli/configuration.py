@@ -1,6 +1,5 @@
 """Options of `oodscen run` that are read from a TOML file."""
 
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from oodscen._cli.help import option_key
 from oodscen._cli.paths import READABLE
 from oodscen._files import read_utf8
 from oodscen._text import one_line
+from oodscen._toml import parse_toml
 from oodscen.errors import DataError, Issue, close_matches
 
 _NOUN = "configuration"
@@ -63,11 +63,10 @@ def read_configuration(file: Path, context: click.Context) -> dict[str, Any]:
     Raises:
         DataError: With every unknown key, with close matches, and every value that its option refuses.
     """
+    text = read_utf8(file, _NOUN)
     try:
-        content = tomllib.loads(read_utf8(file, _NOUN))
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
-        if isinstance(error, DataError):
-            raise
+        content = parse_toml(text)
+    except ValueError as error:
         issue = Issue("", f"is not TOML: {one_line(str(error))[:200]}")
         raise DataError(_NOUN, [issue], source=str(file)) from None
     options = options_of(context.command)
