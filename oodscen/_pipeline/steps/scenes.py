@@ -277,17 +277,22 @@ def refuse_late_outputs(store: Store, outputs: Outputs) -> None:
     Raises:
         UsageError: If an episode lacks one of them; the message names them.
     """
-    wanted = {
-        "traces": (outputs.traces, "traces/"),
-        "annotations": (outputs.annotations, "frames/"),
-        "videos": (outputs.video is not None, "videos/"),
+    folders = {
+        noun: folder
+        for noun, folder, is_wanted in (
+            ("traces", "traces/", outputs.traces),
+            ("annotations", "frames/", outputs.annotations),
+            ("videos", "videos/", outputs.video is not None),
+        )
+        if is_wanted
     }
+    if not folders:
+        return
     ran = [line for line in store.lines("episodes.jsonl") if line.get("status") == "ok"]
     missing = [
         noun
-        for noun, (is_wanted, folder) in wanted.items()
-        if is_wanted
-        and any(not any(file.startswith(folder) for file in line["files"]) for line in ran)
+        for noun, folder in folders.items()
+        if not all(any(file.startswith(folder) for file in line["files"]) for line in ran)
     ]
     if missing:
         raise UsageError(
