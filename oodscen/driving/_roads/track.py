@@ -114,16 +114,19 @@ def locate(track: Track, x: float, y: float, near: float) -> tuple[float, float]
     rows, step = track.samples, track.step
     last = rows.shape[0] - 2
     index = min(max(int(near / step), 0), last)
-    before = after = 0.0
-    for _ in range(200):
+    low, high = 0, last
+    # Beyond the centre of a bend, the distances alone would lead back and forth for ever.
+    while True:
         before = (x - rows[index, 0]) * rows[index, 3] + (y - rows[index, 1]) * rows[index, 4]
-        if before < 0.0 and index > 0:
-            index -= 1 + min(int(-before / (2.0 * step)), index - 1)
+        if before < 0.0 and index > low:
+            high = index - 1
+            index = max(high - int(min(-before / (2.0 * step), float(last))), low)
             continue
         ahead = index + 1
         after = (x - rows[ahead, 0]) * rows[ahead, 3] + (y - rows[ahead, 1]) * rows[ahead, 4]
-        if after > 0.0 and index < last:
-            index += 1 + min(int(after / (2.0 * step)), last - index - 1)
+        if after > 0.0 and index < high:
+            low = index + 1
+            index = min(low + int(min(after / (2.0 * step), float(last))), high)
             continue
         break
     x0, y0, c0, s0 = rows[index, 0], rows[index, 1], rows[index, 3], rows[index, 4]

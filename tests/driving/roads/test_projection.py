@@ -1,4 +1,4 @@
-"""Projections of many points are where the road says that they are, beyond the centre of a bend as well."""
+"""Projections of points are where the road says that they are, beyond the centre of a bend as well."""
 
 import numpy as np
 import pytest
@@ -18,5 +18,12 @@ def test_every_place_leads_back_to_its_point(road, reach_m):
     x = corridor.x[samples] - beside * corridor.sin[samples]
     y = corridor.y[samples] + beside * corridor.cos[samples]
     s, t, _, _ = places(corridor, x, y)
-    points = np.array([corridor.point(*place)[:2] for place in zip(s, t, strict=True)])
+    leads_back(corridor, zip(s, t, strict=True), x, y)
+    leads_back(corridor, map(corridor.locate, x, y), x, y)
+    near = samples * corridor.step + draws.uniform(-60.0, 60.0, 400)
+    leads_back(corridor, map(corridor.locate, x, y, near), x, y)
+
+
+def leads_back(corridor, found, x, y):
+    points = np.array([corridor.point(*place)[:2] for place in found])
     np.testing.assert_allclose(points, np.stack([x, y], axis=1), atol=0.01)
