@@ -11,9 +11,15 @@ PLACING = frozenset(
 DETERMINERS = frozenset(
     "a an the its their his her some any no every each this that these those several many two".split()
 )
+NOUNS_LIKE_PARTICIPLES = frozenset(
+    """awning bedding building ceiling cladding clothing duckling evening everything anything fencing gosling guttering
+    hoarding housing lighting lightning matting morning netting nothing piping railing roofing sapling scaffolding
+    seedling something tubing wedding wiring""".split()
+)
+"""Nouns that end as participles do: `deer or awning` names no act of a deer."""
 _OR = re.compile(r"\s*,?\s+(?:and/)?or\s+|(?<=[^\W\d_]{3})\s*/\s*(?=[^\W\d_]{3})", re.IGNORECASE)
 _AND = re.compile(r"\s*,?\s+(?:and|plus|together with|combined with)\s+|\s+&\s+", re.IGNORECASE)
-_ACT = re.compile(r"(?:ing|ed)$")
+_PARTICIPLE = re.compile(r"(?:ing|ed)$")
 
 
 @dataclass(frozen=True)
@@ -131,12 +137,15 @@ def _is_act(words: list[str]) -> bool:
         bool(words)
         and words[0].casefold().endswith("ing")
         and len(words[0]) > 5
-        and _is_followed_as_act(words, 0)
+        and _is_verb(words, 0)
     )
 
 
-def _is_followed_as_act(words: list[str], index: int) -> bool:
-    """Return whether the word after a participle shows that it is a verb, and no adjective of a noun."""
+def _is_verb(words: list[str], index: int) -> bool:
+    """Return whether a word is a participle, and the one after it shows that it is no adjective of a noun."""
+    word = words[index].casefold()
+    if word in NOUNS_LIKE_PARTICIPLES or _PARTICIPLE.search(word) is None:
+        return False
     if index + 1 == len(words):
         return True
     after = words[index + 1].casefold()
@@ -148,8 +157,7 @@ def _tail_start(words: list[str]) -> int:
     for index, word in enumerate(words[1:], start=1):
         if word.casefold() in PLACING:
             return index
-        is_act = _ACT.search(word.casefold()) and len(word) > 4
-        if is_act and _is_followed_as_act(words, index):
+        if len(word) > 4 and _is_verb(words, index):
             return index
     return len(words)
 

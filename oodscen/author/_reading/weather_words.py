@@ -5,7 +5,7 @@ from collections.abc import Collection, Mapping
 from functools import cache
 
 from oodscen._text import stem
-from oodscen.author._reading.alternatives import DETERMINERS, PLACING
+from oodscen.author._reading.alternatives import DETERMINERS, NOUNS_LIKE_PARTICIPLES, PLACING
 from oodscen.data._scene import WeatherKind
 
 WEATHER_WORDS: Mapping[WeatherKind, tuple[str, ...]] = {
@@ -33,7 +33,7 @@ _HEAD = (
 """A noun that a word of weather describes: `foggy weather`, `snow storm`."""
 _END = rf"\s*$|\s+[^\w\s]|[^\w\s'\u2019-]|\s+(?:{'|'.join(sorted(_NEXT))})\b"
 """The end of a noun phrase."""
-_ACT = r"[\s-](?!clothing|lighting|building)\w{3,}(?:ing|ed)\b"
+_ACT = rf"[\s-](?!(?:{'|'.join(sorted(NOUNS_LIKE_PARTICIPLES))})\b)\w{{3,}}(?:ing|ed)\b"
 """A participle after a noun: `fog crossing the road` is not a kind of fog, as `fog lamp` is not fog."""
 _CIRCUMSTANCE = re.compile(
     r"\b(?:at|in|during|under|by|amid)\s+"

@@ -45,6 +45,7 @@ def judge(author, ask, rich_digest):
         ("Deer / dog", ["Deer", "dog"]),
         ("Either fog or snow", ["fog", "snow"]),
         ("Dog running or walking in the lane", ["Dog running in the lane", "Dog walking in the lane"]),
+        ("Deer or awning on the road", ["Deer on the road", "awning on the road"]),
         ("Fire on or beside the road", ["Fire on or beside the road"]),
         ("Deer on the road or on the pavement", ["Deer on the road or on the pavement"]),
     ],
@@ -57,6 +58,7 @@ def test_and_joins_and_or_divides() -> None:
     assert len(alternatives("Fog and deer").shares) == 1
     assert [share.name for share in conjuncts("Fog and deer").shares] == ["Fog", "deer"]
     assert subject("A large dog running onto the road") == ["large", "dog"]
+    assert subject("Collapsed scaffolding across the road") == ["Collapsed", "scaffolding"]
 
 
 @given(st.lists(st.sampled_from(sorted(THINGS)), min_size=2, max_size=4, unique=True),
