@@ -39,5 +39,5 @@ class ChooseAction(DriveQuestion[ChosenAction]):
         """Return a fault if the action is not one of the options."""
         ids = [option.id for option in self.options]
         if answer.action not in ids:
-            return [Issue("action", f"{answer.action!r} is none of {', '.join(ids)}")]
+            return [Issue("action", f"{answer.action[:80]!r} is none of {', '.join(ids)}")]
         return []
