@@ -213,9 +213,7 @@ def _essence(text: str) -> str:
     return _FORM.sub("", _COMMA.sub(",", whole(text).casefold().replace("none", "null")))
 
 
-_COMMENT = re.compile(
-    rf"""({_STRING}|'(?:[^'\\]|\\.)*')|(?://|#)[^\n]*|/\*.*?\*/""", re.DOTALL
-)
+_COMMENT = re.compile(rf"""({_STRING}|'(?:[^'\\]|\\.)*')|(?://|#)[^\n]*|/\*.*?\*/""", re.DOTALL)
 _BREAK = re.compile(r"\\[bfnrt]")
 _CODE = re.compile(r"\\u([0-9a-fA-F]{4})")
 _COMMA = re.compile(r"\s*,\s*")
