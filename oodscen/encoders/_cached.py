@@ -57,10 +57,11 @@ class CachedEncoder(Brief):
 
     Args:
         encoder: The encoder to wrap; its name must determine its values.
-        folder: Folder that keeps the vectors between processes, in one file per encoder. A file that is
-            truncated, altered or from another encoder is ignored and replaced. Several processes may
-            write at once: each waits for the others and keeps what they saved. If the folder cannot be
-            written, a warning is logged and nothing else changes.
+        folder: Folder that keeps the vectors between processes, in one file per encoder. It is written whenever a
+            twentieth of them is new; call `save` to keep the others too. A file that is truncated, altered or
+            from another encoder is ignored and replaced. Several processes may write at once: each waits for the
+            others and keeps what they saved. If the folder cannot be written, a warning is logged and nothing
+            else changes.
     """
 
     _repr_fields = ("_encoder", "_folder")

@@ -52,6 +52,7 @@ class SentenceTransformerEncoder(Brief):
         self._batch_size = batch_size
         self._model: Any = None
         self._name: str | None = None
+        self._dimension: int | None = None
         self._lock = threading.Lock()
 
     def __getstate__(self) -> dict[str, Any]:
@@ -87,7 +88,10 @@ class SentenceTransformerEncoder(Brief):
     @property
     def dimension(self) -> int:
         """Length of a vector; loads the model."""
-        return int(self._load().get_embedding_dimension())
+        if self._dimension is None:
+            # Not asked for by a method: its name depends on the library's version, and it may not know.
+            self._dimension = int(self._embed(["a"]).shape[1])
+        return self._dimension
 
     def encode(self, texts: Sequence[str]) -> NDArray[np.float32]:
         """Return one row of unit length per text, in order.
@@ -101,15 +105,18 @@ class SentenceTransformerEncoder(Brief):
         """
         if not texts:
             return np.zeros((0, self.dimension), np.float32)
+        return check_embeddings(self._embed(list(texts)), len(texts), self)
+
+    def _embed(self, texts: list[str]) -> NDArray[np.float32]:
+        """Return the model's embeddings of at least one text."""
         model = self._load()
         try:
             with self._lock:
-                vectors = self._forward(model, list(texts))
+                return np.asarray(self._forward(model, texts), np.float32)
         except Exception as error:
             raise EncoderError(
                 f"{self._source} could not encode {len(texts)} texts: {error}"
             ) from error
-        return check_embeddings(np.asarray(vectors, np.float32), len(texts), self)
 
     @property
     def _is_local(self) -> bool:

@@ -18,7 +18,7 @@ _COLUMNS = 1024
 _MOST_COLUMNS = 16_384
 _GROUP = 64
 """Rows whose largest cosine is found before the row of it is."""
-_TIE = np.float32(5e-7)
+TIE = np.float32(5e-7)
 """Cosines that differ by less are equally near: their last bits depend on what else is multiplied with them."""
 
 Vectors = NDArray[np.float32]
@@ -95,7 +95,7 @@ def largest(
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Return the cosines and the rows of the k nearest references, nearest first: [n, k] each.
 
-    Of references as near as the last one that is returned, within `_TIE`, the first ones are: the last bits of a cosine
+    Of references as near as the last one that is returned, within `TIE`, the first ones are: the last bits of a cosine
     depend on the other queries. `skip` [n] is the one reference that each query ignores, negative for none.
     """
     nearest_cosines = np.full((len(queries), k), -np.inf, np.float32)
@@ -135,9 +135,9 @@ def _first_largest(values: NDArray[np.float32], k: int) -> NDArray[np.int64]:
     """Return the columns of the k largest values of each row in order, of ties for the last one the first: [n, k]."""
     columns = np.argpartition(-values, k - 1, axis=1)[:, :k]
     least = np.take_along_axis(values, columns, axis=1).min(axis=1, keepdims=True)
-    has_ties = np.flatnonzero((values >= least - _TIE).sum(axis=1) > k)
-    is_larger = values[has_ties] > least[has_ties] + _TIE
-    is_smaller = values[has_ties] < least[has_ties] - _TIE
+    has_ties = np.flatnonzero((values >= least - TIE).sum(axis=1) > k)
+    is_larger = values[has_ties] > least[has_ties] + TIE
+    is_smaller = values[has_ties] < least[has_ties] - TIE
     rank = np.where(is_larger, 0, np.where(is_smaller, 2, 1))
     columns[has_ties] = np.argsort(rank, axis=1, kind="stable")[:, :k]
     return np.sort(columns, axis=1)

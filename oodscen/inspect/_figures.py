@@ -51,12 +51,15 @@ def _columns(scores: Sequence[SampleScore]) -> tuple[Items, AnswerColumns]:
 
 
 def _clustered_error(items: Items, column: Ratio) -> float | None:
-    """Return the standard error of a mean with whole paths as clusters; `None` if no answer scores."""
+    """Return the standard error of a mean with whole paths as clusters; `None` if answers to fewer than two score."""
+    rows = np.flatnonzero(column.is_there).tolist()
+    if len({items.clusters[row] for row in rows}) < 2:
+        return None
     scores = [
         SampleScore(
             score=Score(value=float(column.above[row])),
             sample_metadata={"path": items.clusters[row]},
         )
-        for row in np.flatnonzero(column.is_there).tolist()
+        for row in rows
     ]
-    return float(stderr(cluster="path")(scores)) if scores else None
+    return float(stderr(cluster="path")(scores))

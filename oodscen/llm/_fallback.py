@@ -2,6 +2,7 @@
 
 from oodscen._display import Brief
 from oodscen.errors import EndpointDown, LLMError
+from oodscen.llm._check import complete
 from oodscen.protocols import LLM, Completion, Request
 
 
@@ -32,9 +33,9 @@ class FallbackLLM(Brief):
         """
         if not self._is_down:
             try:
-                return self._first.complete(request)
+                return complete(self._first, request)
             except EndpointDown:
                 self._is_down = True
             except LLMError:
                 pass
-        return self._second.complete(request)
+        return complete(self._second, request)

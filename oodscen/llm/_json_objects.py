@@ -107,10 +107,13 @@ _MENDABLE = 20_000
 _OBJECT = re.compile(r"""\{\s*(?:["'}\u201c]|[A-Za-z_]\w*\s*:|//|/\*|#)""")
 """The start of an object, leniently; braces in prose and formulas do not match."""
 
-_TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[{}\[\]"]', re.DOTALL)
-"""Strings, brackets, and a quotation mark that opens an unterminated string."""
+_STRING = r'"(?:[^"\\]|\\.)*(?:"|(?P<open>\\?\Z))'
+"""A string; an unterminated one is `open` and ends with the text, where otherwise each of its marks would be tried."""
 
-_TRAILING_COMMA = re.compile(r'("(?:[^"\\]|\\.)*")|,(?=\s*[}\]])', re.DOTALL)
+_TOKEN = re.compile(rf"{_STRING}|[{{}}\[\]]", re.DOTALL)
+"""Strings and brackets."""
+
+_TRAILING_COMMA = re.compile(rf"({_STRING})|,(?=\s*[}}\]])", re.DOTALL)
 
 
 def scan(text: str) -> tuple[list[JsonObject], int | None]:
@@ -143,7 +146,7 @@ def _matching_brace(text: str, position: int) -> int | None:
     for token in _TOKEN.finditer(text, position):
         mark = token.group()
         depth += (mark == "{") - (mark == "}")
-        if mark == '"':
+        if token["open"] is not None:
             return None
         if depth == 0:
             return token.end()
@@ -155,10 +158,11 @@ def _without_brace(text: str) -> JsonObject | None:
     part = re.sub(r"\s*(?:```)?\s*$", "", text)
     # Quotation marks inside single-quoted strings make brackets uncountable.
     if not (part.endswith("}") and re.match(r"\{\s*'", part)):
-        marks = [token.group() for token in _TOKEN.finditer(part)]
+        tokens = list(_TOKEN.finditer(part))
+        marks = [token.group() for token in tokens]
         is_missing_a_brace = (
             part.endswith(('"', "]", "}"))
-            and '"' not in marks
+            and all(token["open"] is None for token in tokens)
             and marks.count("{") == marks.count("}") + 1
             and marks.count("[") == marks.count("]")
         )
@@ -209,9 +213,7 @@ def _essence(text: str) -> str:
     return _FORM.sub("", _COMMA.sub(",", whole(text).casefold().replace("none", "null")))
 
 
-_COMMENT = re.compile(
-    r"""("(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*')|(?://|#)[^\n]*|/\*.*?\*/""", re.DOTALL
-)
+_COMMENT = re.compile(rf"""({_STRING}|'(?:[^'\\]|\\.)*')|(?://|#)[^\n]*|/\*.*?\*/""", re.DOTALL)
 _BREAK = re.compile(r"\\[bfnrt]")
 _CODE = re.compile(r"\\u([0-9a-fA-F]{4})")
 _COMMA = re.compile(r"\s*,\s*")

@@ -81,11 +81,9 @@ class ReplayLLM(Brief):
 
     @property
     def speaks_for(self) -> str:
-        """Name of the recorded model, or this object's own if there are several."""
-        if self._model:
-            return self._model
-        names = self._recording.models
-        return names.pop() if len(names) == 1 else self.name
+        """Name of the recorded model, or this object's own if there are several or it has none."""
+        names = {self._model} if self._model else self._recording.models
+        return (names.pop() if len(names) == 1 else "") or self.name
 
     def complete(self, request: Request) -> Completion:
         """Return the recorded answer.

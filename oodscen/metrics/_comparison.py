@@ -120,7 +120,7 @@ def compare(
     ]
     if paired:
         gaps = scores[0] - scores[1]
-        p_value = sign_flip(gaps, paths[0], seed=space.seed, replicates=PERMUTATIONS)
+        p_value = sign_flip(gaps, paths[0] or paths[1], seed=space.seed, replicates=PERMUTATIONS)
     else:
         p_value = permutation_test(scores[0], scores[1], paths, seed=space.seed)
     oodness, nearest, pairwise = (_contrast(*pair) for pair in zip(*figures, strict=True))

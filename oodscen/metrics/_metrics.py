@@ -452,7 +452,8 @@ class Metrics(Brief):
         """Return a comparison of two sets at equal size: each repeat draws `size` texts from each.
 
         The p-value is for OOD-ness over all texts: by sign flips for pairs, else by permutation. Whole paths are
-        permuted if all texts are scenarios with a path. Diversity has no test, because its terms share texts.
+        permuted where all texts of a set are scenarios with a path; a pair has the path of either text, `a` first.
+        Diversity has no test, because its terms share texts.
 
         Args:
             a: At least two texts.

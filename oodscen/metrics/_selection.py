@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from oodscen._numbers import finite_number
 from oodscen.data._base import Data
-from oodscen.encoders._similarity import Vectors
+from oodscen.encoders._similarity import TIE, Vectors
 from oodscen.errors import UsageError
 from oodscen.metrics._oodness import Measure
 from oodscen.metrics._rarity.estimates import estimate_rarity
@@ -162,7 +162,7 @@ def most_diverse(vectors: Vectors, n: int, method: Method = "max-min") -> NDArra
             f"unknown selection {method!r}: expected max-min, determinantal, commonest or rarest"
         )
     rows = np.ascontiguousarray(vectors, np.float32)
-    first = int((rows @ rows.mean(axis=0, dtype=np.float64).astype(np.float32)).argmin())
+    first = _first_least(rows @ rows.mean(axis=0, dtype=np.float64).astype(np.float32))
     if method == "max-min":
         return _spread(rows, [first], n)
     return _spread(rows, _spanning(rows, first, n), n)
@@ -174,7 +174,7 @@ def _spread(rows: Vectors, chosen: list[int], n: int) -> NDArray[np.int64]:
     largest_cosine = np.full(len(rows), -np.inf, np.float32)
     while len(indices) < n:
         is_given = len(indices) < len(chosen)
-        index = chosen[len(indices)] if is_given else int(largest_cosine.argmin())
+        index = chosen[len(indices)] if is_given else _first_least(largest_cosine)
         indices.append(index)
         np.maximum(largest_cosine, rows @ rows[index], out=largest_cosine)
         largest_cosine[index] = np.inf
@@ -192,19 +192,24 @@ def _spanning(rows: Vectors, first: int, n: int) -> list[int]:
     directions = np.zeros((most, rows.shape[1]), np.float32)
     chosen: list[int] = []
     index = first
-    while len(chosen) < most and residual[index] > _NO_VOLUME:
+    while len(chosen) < most and (not chosen or residual[index] > _NO_VOLUME):
         basis = directions[: len(chosen)].astype(np.float64)
         direction = rows[index].astype(np.float64)
         # Twice, because one Gram-Schmidt pass loses rows that are nearly spanned.
         direction -= basis.T @ (basis @ direction)
         direction -= basis.T @ (basis @ direction)
         length = float(np.linalg.norm(direction))
-        if length**2 <= _NO_VOLUME:
+        if chosen and length**2 <= _NO_VOLUME:
             residual[index] = 0.0
         else:
-            directions[len(chosen)] = direction / length
+            directions[len(chosen)] = direction / (length or 1.0)  # A zero row may be the first.
             residual -= np.square(rows @ directions[len(chosen)])
             chosen.append(index)
         residual[chosen] = -np.inf
-        index = int(residual.argmax())
+        index = _first_least(-residual)
     return chosen
+
+
+def _first_least(values: NDArray[np.float32]) -> int:
+    """Return the index of the least value, of values that differ only by rounding the first."""
+    return int((values <= values.min() + TIE).argmax())

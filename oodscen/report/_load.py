@@ -142,10 +142,11 @@ def _note_unanswered(material: Material) -> None:
             if text.ordinary is None
         ]
     rarity = material.metrics.asked if material.metrics else None
-    if counted.get("rarity") and rarity:
+    # Answers belong to texts only as long as there are as many of both.
+    if counted.get("rarity") and rarity and len(rarity.per_text) == len(material.scenarios):
         material.failures += [
             FailedItem("rarity", scenario.id, "the model gave no rarity that could be read")
-            for scenario, text_rarity in zip(material.scenarios, rarity.per_text, strict=False)
+            for scenario, text_rarity in zip(material.scenarios, rarity.per_text, strict=True)
             if "not answered" in text_rarity.flags
         ]
 

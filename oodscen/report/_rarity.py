@@ -1,9 +1,10 @@
 """Rarity of a study's texts: figures by set, the distribution, and the ends of each set."""
 
 import itertools
+import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 import numpy as np
 
@@ -14,8 +15,10 @@ from oodscen.metrics._report import MetricsReport
 from oodscen.report._charts.sets import Cloud, boxes, scatter
 
 _ENDS = 4
+"""Texts that are shown from either end of a set."""
 _MOST = 400
 """Points of a set that are drawn."""
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -84,11 +87,17 @@ class _RatedSet:
         """Return its rarest and its commonest texts."""
         order = sorted(self.values, key=lambda index: (-self.values[index], index))
         shown = [(self._in_words(index), texts[index].text) for index in order]
-        return RarityEnds(self.label, tuple(shown[:_ENDS]), tuple(shown[-_ENDS:]))
+        return RarityEnds(self.label, *ends_of(shown))
 
     def _in_words(self, index: int) -> str:
         estimate = self.estimates[index]
         return f"{_power(self.values[index])} ({estimate.low:.1f} to {estimate.high:.1f})"
+
+
+def ends_of(ranked: Sequence[T]) -> tuple[tuple[T, ...], tuple[T, ...]]:
+    """Return the first and the last few of a ranking; none of them is in both."""
+    first = ranked[: min(_ENDS, math.ceil(len(ranked) / 2))]
+    return tuple(first), tuple(ranked[len(first) :][-_ENDS:])
 
 
 def rarity_variables(

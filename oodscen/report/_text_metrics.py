@@ -10,12 +10,9 @@ from oodscen.metrics._measurements import Measurements
 from oodscen.report._charts import sets as charts
 from oodscen.report._charts.canvas import Canvas, signed
 from oodscen.report._load import Material
-from oodscen.report._rarity import rarity_variables
+from oodscen.report._rarity import ends_of, rarity_variables
 from oodscen.statistics._intervals import Interval
 from oodscen.study._study import Study
-
-_ENDS = 4
-"""Texts that are shown from either end of a set."""
 
 
 @dataclass(frozen=True)
@@ -145,7 +142,7 @@ def examples(metrics: Measurements, sets: Mapping[str, Sequence[Scenario]]) -> l
             Example(texts[index].text, signed(values[index]), oodness.nearest[index].text)
             for index in order
         ]
-        extremes.append(ExtremeTexts(label_of(name), tuple(shown[:_ENDS]), tuple(shown[-_ENDS:])))
+        extremes.append(ExtremeTexts(label_of(name), *ends_of(shown)))
     return extremes
 
 

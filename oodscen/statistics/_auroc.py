@@ -119,9 +119,15 @@ def _replicates(noise: _ResampledScores, signal: _ResampledScores) -> Floats:
     np.add.at(half, signal.cluster, is_above)
     wins = np.zeros((noise.resampler.units, signal.resampler.units))
     np.add.at(wins, noise.cluster, half.T)
-    drawn, others = signal.resampler.weights, noise.resampler.weights
-    wins_drawn = ((others @ wins) * drawn).sum(axis=1)
-    pairs_drawn = (drawn @ np.bincount(signal.cluster, minlength=signal.resampler.units)) * (
-        others @ np.bincount(noise.cluster, minlength=noise.resampler.units)
+    sizes, others_sizes = (
+        np.bincount(scores.cluster, minlength=scores.resampler.units) for scores in (signal, noise)
     )
-    return quotients(wins_drawn, pairs_drawn)
+    areas = []
+    for drawn, others in zip(
+        signal.resampler.blocks(beside=noise.resampler),
+        noise.resampler.blocks(beside=signal.resampler),
+        strict=True,
+    ):
+        wins_drawn = ((others @ wins) * drawn).sum(axis=1)
+        areas.append(quotients(wins_drawn, (drawn @ sizes) * (others @ others_sizes)))
+    return np.concatenate(areas)

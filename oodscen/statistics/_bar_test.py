@@ -23,7 +23,7 @@ _PLANNED_DRAWS = 4_000
 _PLANNED_WITHIN = 0.02
 """Relative accuracy of the size of a planned study."""
 _BATCH = 1_000
-"""Random weightings that are summed at once."""
+"""Random weightings that are drawn and summed at once."""
 
 
 def p_below(gaps: Floats, least: float, *, seed: int = 0) -> float:
@@ -48,11 +48,11 @@ def p_below_many(
     generator = stream(seed, "bound")
     units, sets = gaps.shape
     worst = least * generator.standard_exponential(draws)
-    weights = generator.standard_gamma(times, (draws, units))
     count: NDArray[np.int64] = np.zeros(sets, np.int64)
     for start in range(0, draws, _BATCH):
-        rows = slice(start, start + _BATCH)
-        count += (weights[rows] @ gaps + worst[rows, None] <= 0).sum(axis=0)
+        rows = worst[start : start + _BATCH, None]
+        weights = generator.standard_gamma(times, (len(rows), units))
+        count += (weights @ gaps + rows <= 0).sum(axis=0)
     p_values: Floats = (1 + count) / (1 + draws)
     return p_values
 

@@ -70,14 +70,15 @@ class Resampler:
     @cached_property
     def weights(self) -> Floats:
         """The number of times each cluster was drawn: [replicates, units]."""
-        return np.concatenate(list(self._draws()))
+        return np.concatenate(list(self._draws(self.units)))
 
-    def blocks(self) -> Iterator[Floats]:
-        """Yield the rows of `weights`, in blocks if they are too many to keep."""
-        if self.units * self._replicates <= _CELLS:
+    def blocks(self, beside: "Resampler | None" = None) -> Iterator[Floats]:
+        """Yield the rows of `weights`, in blocks if they are too many to keep; those of two resamplers keep step."""
+        units = max(self.units, beside.units) if beside else self.units
+        if units * self._replicates <= _CELLS:
             yield self.weights
         else:
-            yield from self._draws()
+            yield from self._draws(units)
 
     def ratios(self, above: Floats, below: Floats) -> Floats:
         """Return [replicates, m] resampled ratios of the sums of [n, m] values; NaN if a denominator is zero."""
@@ -92,10 +93,10 @@ class Resampler:
         np.add.at(sums, self.cluster, values)
         return sums
 
-    def _draws(self) -> Iterator[Floats]:
+    def _draws(self, widest: int) -> Iterator[Floats]:
         generator = stream(self._seed, "bootstrap", self._purpose)
         equal = np.full(self.units, 1.0 / max(self.units, 1))
-        for size in blocks(self._replicates, self.units):
+        for size in blocks(self._replicates, widest):
             if self.units:
                 yield generator.multinomial(self.units, equal, size=size).astype(np.float64)
             else:

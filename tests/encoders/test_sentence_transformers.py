@@ -22,6 +22,18 @@ def test_a_local_folder_is_a_model():
     assert encoder.encode([]).shape == (0, 384)
 
 
+@pytest.mark.parametrize("dimension", [1, 7])
+def test_a_model_of_any_version_of_the_library_has_a_dimension(monkeypatch, dimension):
+    class Model:
+        def encode(self, texts, **options):
+            return np.ones((len(texts), dimension), np.float32)
+
+    encoder = SentenceTransformerEncoder("some/model")
+    monkeypatch.setattr(encoder, "_model", Model())
+    assert encoder.dimension == dimension
+    assert encoder.encode(["a", "b"]).shape == (2, dimension)
+
+
 def test_a_hub_name_is_cacheable_only_with_its_revision():
     assert not SentenceTransformerEncoder("some/model").cacheable
     pinned = SentenceTransformerEncoder("some/model", revision="abc")

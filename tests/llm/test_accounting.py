@@ -80,6 +80,19 @@ def test_a_second_model_answers_where_the_first_does_not():
     assert [(c.model, c.status) for c in calls] == [("a", "failed"), ("b", "ok"), ("a", "ok")]
 
 
+@pytest.mark.parametrize("fault", [RuntimeError("no socket"), None])
+def test_a_second_model_answers_where_the_first_breaks_its_contract(fault):
+    class Broken:
+        name = "broken"
+
+        def complete(self, request):
+            if fault is not None:
+                raise fault
+            return "words"
+
+    assert ask(FallbackLLM(Broken(), ScriptedLLM([GOOD])), QUESTION)
+
+
 def test_a_first_model_that_is_down_is_left_alone():
     first = ScriptedLLM([EndpointDown("a", "dead")] * 2, name="a")
     llm = FallbackLLM(first, ScriptedLLM(lambda asked: GOOD))

@@ -1,6 +1,7 @@
 """Objects in a text: where each begins and ends, and how many are looked for."""
 
 import json
+import time
 
 import pytest
 from hypothesis import given
@@ -99,6 +100,13 @@ def test_an_object_that_is_cut_off_inside_is_none(text: str) -> None:
 
 def test_what_a_list_without_an_end_holds_is_found_alone() -> None:
     assert values('{"a": [{"b": 1}') == [{"b": 1}]
+
+
+@pytest.mark.parametrize("text", ['{"a": "' + '\\"' * 50_000, "{'a': '" + '\\"' * 9_900 + "'}"])
+def test_many_escaped_quotation_marks_take_no_longer_than_other_text(text: str) -> None:
+    begun = time.perf_counter()
+    find_objects(text)
+    assert time.perf_counter() - begun < 5.0
 
 
 def test_what_is_whole_or_no_object_is_not_cut_off() -> None:

@@ -12,7 +12,7 @@ from oodscen._concurrency import as_finished
 from oodscen._lock import locked
 from oodscen.data._messages import Image
 from oodscen.errors import DataError, InUse, LLMError, ReplayMiss, StudyError, UsageError
-from oodscen.llm._ask import ask
+from oodscen.llm._ask import ask, speaker
 from oodscen.llm._recording import Exchange, Recorder, Recording
 from oodscen.llm._replay import RecordingLLM, ReplayLLM
 from oodscen.prompts._judging.describe_frame import DescribeFrame
@@ -98,6 +98,13 @@ def test_a_recording_made_elsewhere_needs_three_fields(tmp_path):
     llm = make_llm(f"replay:{file}")
     assert ask(llm, QUESTION).text == "A sofa lies on the road there."
     assert llm.name == "replay:hand.jsonl"
+
+
+def test_words_of_an_unnamed_model_are_told_as_the_recordings(tmp_path):
+    file = tmp_path / "own.jsonl"
+    file.write_text(json.dumps({"purpose": "p", "messages": [], "answer": "a"}))
+    assert speaker(ReplayLLM(file)) == "replay:own.jsonl"
+    assert speaker(ReplayLLM(f"{file}#m")) == "m"
 
 
 def test_a_failure_is_not_recorded(file):

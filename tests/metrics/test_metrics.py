@@ -395,6 +395,8 @@ def test_whole_paths_are_exchanged_in_a_test_of_two_sets():
     assert metrics.compare(far, near, paired=True).oodness.p_value == pytest.approx(2 / 2**4)
     assert metrics.compare(far, near).oodness.p_value > 2 / 70 * 0.7
     plain = [[text.text for text in texts] for texts in (far, near)]
+    for pairs in ((far, plain[1]), (plain[1], far)):
+        assert metrics.compare(*pairs, paired=True).oodness.p_value == pytest.approx(2 / 2**4)
     assert metrics.compare(*plain).oodness.p_value < 0.001
     assert metrics.compare(far, far, paired=True, size=5).pairwise.high == 0
 

@@ -57,6 +57,22 @@ def test_copies_are_chosen_last(method):
     assert sorted(chosen.tolist()) == list(range(8))
 
 
+@pytest.mark.parametrize("method", ["max-min", "determinantal"])
+@settings(deadline=None, max_examples=60)
+@given(st.integers(0, 99), st.integers(3, 60), st.integers(2, 400))
+def test_of_copies_the_first_is_chosen_first(method, seed, n, d):
+    chosen = most_diverse(np.vstack([rows(seed, n, d)] * 2), 2 * n, method).tolist()
+    assert all(chosen.index(row) < chosen.index(row + n) for row in range(n))
+
+
+@pytest.mark.parametrize("method", ["max-min", "determinantal"])
+def test_a_row_without_words_is_farthest_and_does_not_end_the_search(method):
+    set_ = np.vstack(
+        [unit(np.array([[1, 0, 0], [0.9, 0.1, 0], [0.5, 0.5, 0]], np.float32)), 0 * rows(0, 1, 3)]
+    )
+    assert most_diverse(set_, 3, method).tolist() == [3, 0, 2]
+
+
 def test_what_cannot_be_chosen_is_refused():
     for n, method in ((0, "max-min"), (5, "max-min"), (2, "best")):
         with pytest.raises(UsageError):

@@ -1,7 +1,10 @@
+import json
+
 from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen import Study
+from oodscen.metrics._rarity.estimates import Rarity, TextRarity
 from oodscen.report._load import dig, make_printable, number, read
 
 JSON = st.recursive(
@@ -47,6 +50,28 @@ def test_one_bad_line_costs_only_itself(study: Study) -> None:
     assert "1 malformed line(s)" in after.gaps["scenes.jsonl"]
     assert "1 line(s) of scenes.jsonl are not JSON objects" in after.gaps["scenes.jsonl"]
     assert any(failure.id == "broken-001" for failure in after.failures)
+
+
+def test_a_text_that_was_lost_gives_no_other_its_missing_rarity(study: Study) -> None:
+    store, count = study.folder, len(read(study).scenarios)
+    flags = [("not answered",), *[()] * (count - 1)]
+    asked = Rarity(
+        by="m", per_text=tuple(TextRarity(flags=own) for own in flags), median=None, unknown=count
+    )
+    metrics = json.loads((store / "metrics.json").read_bytes()) | {
+        "asked": json.loads(asked.to_json())
+    }
+    (store / "metrics.json").write_text(json.dumps(metrics))
+    info = json.loads((store / "study.json").read_bytes()) | {"failures": {"rarity": 1}}
+    (store / "study.json").write_text(json.dumps(info))
+
+    def unrated() -> list[str]:
+        return [failure.id for failure in read(study).failures if failure.stage == "rarity"]
+
+    assert unrated() == [read(study).scenarios[0].id]
+    lines = (store / "scenarios.jsonl").read_bytes().split(b"\n")
+    (store / "scenarios.jsonl").write_bytes(b"\n".join([b"no text", *lines[1:]]))
+    assert unrated() == []
 
 
 def test_reading_changes_nothing(study: Study) -> None:

@@ -56,8 +56,9 @@ def test_the_ends_of_a_set_are_its_rarest_and_its_commonest_texts(values) -> Non
         (index for index, value in enumerate(values) if value is not None),
         key=lambda index: (-values[index], index),
     )
-    assert [text for _, text in ends.rarest] == [f"Text {index}" for index in ranked[:4]]
-    assert [text for _, text in ends.commonest] == [f"Text {index}" for index in ranked[-4:]]
+    shown = ranked if len(ranked) < 8 else [*ranked[:4], *ranked[-4:]]
+    assert [text for _, text in (*ends.rarest, *ends.commonest)] == [f"Text {n}" for n in shown]
+    assert 0 <= len(ends.rarest) - len(ends.commonest) <= 1
     families = variables["rarity_families"]
     assert sum(family.n for family in families) == len(ranked)
 

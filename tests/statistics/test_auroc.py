@@ -122,3 +122,12 @@ def test_paths_without_a_score_count_for_nothing() -> None:
     assert found is not None
     assert found[1] is None
     assert found[0] == auroc(scores[1:12:2], scores[0:12:2])
+
+
+@pytest.mark.parametrize("is_paired", [False, True])
+def test_many_scores_are_drawn_in_blocks_of_the_same_draws(monkeypatch, is_paired):
+    values = np.random.default_rng(0).normal(size=(2, 9))
+    other = values[1] if is_paired else values[1][:4]
+    whole = auroc_interval(values[0], other, is_paired=is_paired, replicates=50)
+    monkeypatch.setattr("oodscen.statistics._resampling._CELLS", 60)
+    assert auroc_interval(values[0], other, is_paired=is_paired, replicates=50) == whole

@@ -37,6 +37,7 @@ _TRANSIENT: frozenset[Kind] = frozenset({"limit", "late", "unreachable", "erring
 
 _MEANINGS: dict[int, Kind] = {
     401: "denied",
+    402: "denied",
     403: "erring",
     404: "erring",
     408: "late",
@@ -52,6 +53,12 @@ _FILTER = re.compile(
     re.IGNORECASE,
 )
 """Names of providers' content filters in error texts."""
+
+_DENIAL = re.compile(
+    r"insufficient_quota|credit balance is too low|API_KEY_INVALID|API key not valid|Incorrect API key",
+    re.IGNORECASE,
+)
+"""Words by which providers refuse a key or an account, whatever the status: Gemini answers 400 to an invalid key."""
 
 _BROKEN = {
     "size": "the response has more than {detail} bytes",
@@ -208,7 +215,7 @@ def _kind(status: int | None, text: str, error: Exception) -> Kind:
 
     if isinstance(error, Filtered | ContentPolicyViolationError):
         return "filtered"
-    if "insufficient_quota" in text or isinstance(error, ImportError):
+    if _DENIAL.search(text) or isinstance(error, ImportError):
         return "denied"
     if status is None:
         return "unreachable"

@@ -8,8 +8,8 @@ import re
 from typing import Final
 
 _BEINGS: Final = (
-    r"aliens?|ghosts?(?! (?:drivers?|riders?)\b)|unicorns?|dragons?|zombies?|wizards?|witch(?:es)?|mermaids?|werewol(?:f|ves)|vampires?|"
-    r"godzilla|sorcerers?|dinosaurs?|mammoths?|centaurs?|trolls?|goblins?|spaceships?|starships?|ufos?|flying saucers?"
+    r"aliens?(?!-)|ghosts?(?! (?:drivers?|riders?|bikes?|cars?|islands?|towns?)\b)|unicorns?|dragons?(?!['’]| boats?\b)|zombies?|wizards?|witch(?:es)?|mermaids?|werewol(?:f|ves)|vampires?|"
+    r"godzilla|sorcerers?|dinosaurs?|woolly mammoths?|mammoths|centaurs?|trolls?|goblins?|spaceships?|starships?|ufos?|flying saucers?"
 )
 _READ = 20_000
 """Characters of a text that are searched."""
@@ -33,13 +33,14 @@ _IMPOSSIBLE = tuple(
         r"\b(?:teleport|levitat|dematerial|antigravit|time ?warp|time[- ]travel)\w*",
         rf"\b{_GROUND} (?:\w+ )?(?:flies|is flying|hovers|floats) (?:\w+ ){{0,2}}(?:over|above|through|in) (?:the |mid-?)?"
         r"(?:air|sky|clouds?|roofs?|city|rooftops?)\b",
-        rf"\b(?:flying|hovering) {_HEAVY}\b(?! (?:bod(?:y|ies)|doors?|bonnets?|hoods?|parts?|pieces?|tyres?|tires?|wheels?|debris|stunts?))",
+        rf"\b(?:flying|hovering) {_HEAVY}\b(?! (?:bod(?:y|ies)|bonnets?|bridges?|bumpers?|debris|doors?|hoods?|mirrors?|(?:number )?plates?|parts?|pieces?|roofs?|"
+        r"shelters?|stunts?|tires?|tyres?|wheels?))",
         rf"\b{_GROUND} (?:\w+ )?(?:vanish(?:es)?|disappears?|dissolves?|evaporates?) (?:into (?:thin air|nothing)|in mid-?air)\b",
-        r"\b(?:passes|walks|drives|goes|runs) (?:straight |right )?through (?:a |the )?(?:solid |brick |concrete )?"
-        r"(?:walls?|other cars?|the truck|solid rock)\b(?! opening| gap)",
-        r"\b(?:gravity|time) (?:\w+ )?(?:reverses?|stops|stands still|runs backwards?|is switched off|no longer)\b",
+        r"\b(?:passes|walks|goes|runs) (?:straight |right )?through (?:a |the )?(?:solid |brick |concrete )?"
+        r"(?:walls?|other cars?|the truck|solid rock)\b(?! opening| gap| of (?:dust|fire|flames|fog|heat|mist|people|rain|sand|smoke|snow|spray|steam|water)\b)",
+        r"\b(?:gravity|time) (?:\w+ly )?(?:reverses?|stops|stands still|runs backwards?|is switched off|no longer)\b",
         r"\b(?:moon (?:\w+ )?(?:falls|lands|crashes)|(?:sun|moon) (?:\w+ )?(?:explodes|goes out))\b",
-        rf"\b{_ROOTED} (?:\w+ )?(?:walks?|jumps?|dances?|drives?|speaks?|talks?|sings?|chases?|swims?)\b",
+        rf"\b{_ROOTED} (?:\w+ )?(?:walks?|jumps?(?! (?:from|to) (?:amber|green|red|yellow)\b)|dances?|drives?|speaks?|talks?|sings?|chases?|swims?)\b",
         rf"\b{_GROUND} (?:\w+ )?(?:transforms|morphs) into\b",
         rf"\b{_GROUND} (?:\w+ )?(?:turns|changes) into (?:a |an )?(?:swan|bird|frog|dog|cat|horse|cow|elephant|snake|fish|"
         r"monster|robot|pumpkin|boat|plane|house|cloud|stone|gold)\b",

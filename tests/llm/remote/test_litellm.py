@@ -287,7 +287,12 @@ def test_a_time_to_wait_that_cannot_be_meant_is_none(header, value):
 
 @pytest.mark.parametrize(
     ("words", "kind"),
-    [("insufficient_quota", "denied"), ("content management policy", "filtered")],
+    [
+        ("insufficient_quota", "denied"),
+        ("Your credit balance is too low to access the Anthropic API.", "denied"),
+        ("API key not valid. Please pass a valid API key.", "denied"),
+        ("content management policy", "filtered"),
+    ],
 )
 def test_a_failure_is_known_by_words_that_its_message_cuts_off(words, kind):
     error = Answered()
@@ -295,6 +300,15 @@ def test_a_failure_is_known_by_words_that_its_message_cuts_off(words, kind):
     failure = diagnose("m", error, CallBounds(1.0, 1))
     assert failure.kind == kind
     assert words not in failure.message
+
+
+@pytest.mark.parametrize(
+    ("status", "kind"), [(401, "denied"), (402, "denied"), (404, "erring"), (413, "item")]
+)
+def test_an_account_that_must_be_paid_is_refused_as_a_key_is(status, kind):
+    error = Answered()
+    error.args, error.status_code = ("Insufficient Balance",), status
+    assert diagnose("m", error, CallBounds(1.0, 1)).kind == kind
 
 
 @pytest.mark.parametrize("is_wrapped", [False, True])

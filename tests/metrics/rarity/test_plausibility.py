@@ -23,6 +23,10 @@ from oodscen.metrics._rarity.plausibility import is_impossible, names_event, par
         "A car drives at 900 mph past us.",
         "a flying car passes",
         "Two hovering trucks queue at the light.",
+        "Woolly mammoths cross the road.",
+        "A dragon sits on the gantry.",
+        "Time suddenly stands still on the bridge.",
+        "A bus passes straight through a brick wall.",
     ],
 )
 def test_impossible_things_acts_and_speeds(text):
@@ -44,6 +48,18 @@ def test_impossible_things_acts_and_speeds(text):
         "A car drives at 130 km/h.",
         "The man walks through the wall opening.",
         "The setting sun falls on a red signal.",
+        "A mammoth crane blocks both lanes.",
+        "A white ghost bike is chained to the lamp post.",
+        "The car crosses the ghost island of the junction.",
+        "A trailer with a dragon boat on it sways.",
+        "The lane narrows at painted dragon’s teeth.",
+        "An alien-looking concept car overtakes.",
+        "A man walks through a wall of smoke.",
+        "A car drives through the wall of a shop.",
+        "By the time traffic stops, the van is in the ditch.",
+        "Every time she stops, the dog runs off.",
+        "The traffic light jumps from red to green.",
+        "A flying bus shelter roof hits the tram.",
     ],
 )
 def test_unusual_things_are_possible(text):
