@@ -37,7 +37,7 @@ class KnownFacts(NamedTuple):
         return cls(
             {scenario.id: scenario for scenario in study.scenarios},
             {episode.scene_id: episode for episode in study.episodes},
-            {row["id"]: row["claims"] for row in rows},
+            {row["id"]: row["claims"] for row in rows if row.get("status") != "failed"},
             _by_scene(study.demands),
         )
 

@@ -235,7 +235,11 @@ def describe(
             say(f"{leaf}: {error}", err=True)
     if failures and not scenarios:
         raise failures[-1]
-    reworded = {scenario.id: scenario for scenario in describer.reworded(scenarios)}
+    reworded: dict[str, Scenario] = {}
+    try:
+        reworded = {scenario.id: scenario for scenario in describer.reworded(scenarios)}
+    except LLMError as error:
+        say(f"texts that repeat others stay: {error}", err=True)
     write_lines(out, [reworded.get(scenario.id, scenario) for scenario in scenarios])
     say(f"{len(scenarios)} texts, {len(failures)} of {len(paths)} paths failed", err=True)
     sys.exit(bool(failures))

@@ -10,10 +10,10 @@ from oodscen._registry import make_llm
 from oodscen.data._base import canonical_json
 from oodscen.data._verdict import Verdict, without_pictures
 from oodscen.errors import OodscenError, UnknownComponent
-from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._people import as_name, is_person, person
 from oodscen.judging._references import ALWAYS
 from oodscen.report._render import write_report
+from oodscen.study._board import board_of
 from oodscen.study._config import StudyConfig
 from oodscen.study._stale_verdicts import OPINIONS, refuse_stale_verdicts
 from oodscen.study._study import Study
@@ -56,7 +56,7 @@ def _drop(study: Study, names: Sequence[str]) -> dict[str, int]:
     config = _remaining(config, dropped).model_copy(update={"people": people})
     info = _recounted(study, config, remaining)
     study.check()
-    board = leaderboard(remaining, study.episodes, study.scenarios, seed=config.seed)
+    board = board_of(study, remaining)
     study.store.write("study.json", canonical_json(info) + "\n")
     study.store.write_lines("verdicts.jsonl", remaining)
     study.store.write("leaderboard.json", canonical_json(board.model_dump(mode="json")) + "\n")

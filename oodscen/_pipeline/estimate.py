@@ -1,7 +1,7 @@
 """Estimates of the calls and cost of a run, from the prompts that it would send."""
 
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,7 @@ from oodscen._pipeline.pipeline import Pipeline
 from oodscen._pipeline.sweep import check_workers
 from oodscen._registry import make_llm
 from oodscen._text import CHARACTERS_PER_TOKEN
-from oodscen.data._episode import moments
+from oodscen.data._episode import MOMENTS, moments
 from oodscen.data._messages import Image, Message
 from oodscen.data._pairing import twin_id
 from oodscen.data._verdict import verdict_id, without_pictures
@@ -78,7 +78,7 @@ def estimate(
         authors = {
             name: _PricedAuthor(name, config.seed, prices) for name in names if is_asked(name)
         }
-        pipeline = Pipeline(folder, config, RunOptions(models=authors))
+        pipeline = Pipeline(folder, config, RunOptions(models={**options.models, **authors}))
         try:
             pipeline.prepare()
         except StudyMismatch as error:
@@ -97,16 +97,12 @@ def estimate(
         judged = {line["id"] for line in store.lines("verdicts.jsonl")}
         for name in filter(is_asked, config.vlms):
             model = _PricedAuthor(name, config.seed, prices)
-            rows = {name: False}
-            if name in config.withheld:
-                rows[without_pictures(name)] = True
             lines += [
-                model.line(request)
-                for row, is_withheld in rows.items()
+                model.line(Request(prompt, prompt.messages(), prompt.answer_schema()))
                 for scene in scenes
-                for item in _items(scene.id, config)
-                if verdict_id(item, row) not in judged
-                for request in _judging(config, is_withheld)
+                for verdict, prompts in _judging(scene.id, name, config)
+                if verdict not in judged
+                for prompt in prompts
             ]
     return accounts(lines)
 
@@ -127,25 +123,66 @@ def _copy(study: Study, target: Path) -> None:
                 raise unreadable("study", study.folder / name, error) from None
 
 
-def _judging(config: StudyConfig, is_withheld: bool) -> Iterator[Request]:
-    """Yield the questions about one item, at their expected length."""
-    frames = tuple(Image(name=f"{name}.jpg", sha256="0" * 64) for name in moments(config.frames))
-    descriptions = (DESCRIPTION,) * len(frames) if config.chain and not is_withheld else ()
-    facts = DriveFacts(times_s=(0.0,) * len(frames), ego_speed_mps=10.0, behind="a lorry")
-    shown = ShownDrive(frames, facts, frames[0] if config.rear_view else None)
-    fields = shown.without_pictures() if is_withheld else shown
+def _judging(
+    scene_id: str, model: str, config: StudyConfig
+) -> Iterator[tuple[str, Sequence[Prompt[Any]]]]:
+    """Yield the verdicts of a model on a scene and its ordinary drives, each with its questions."""
+    protocols = config.protocols_of(model)
+    for item in _items(scene_id, config):
+        if "ours" in protocols:
+            yield verdict_id(item, model), _questions(config)
+        if model in config.withheld:
+            row = without_pictures(model)
+            yield verdict_id(item, row), _questions(config, is_withheld=True)
+    if "paper" in protocols:
+        yield verdict_id(scene_id, model, "paper"), _questions_of_the_paper(config)
+
+
+def _questions(config: StudyConfig, *, is_withheld: bool = False) -> list[Prompt[Any]]:
+    """Return the questions about one item, at their expected length."""
+    shown = _shown(moments(config.frames), is_rear=config.rear_view)
+    chain = _chain(shown) if config.chain and not is_withheld else []
+    descriptions = (DESCRIPTION,) * len(chain)
     kinds = [AspectOption(id=str(n), label="word " * 10 + str(n)) for n in range(LISTED + 1)]
-    prompts: tuple[Prompt[Any], ...] = (
-        *(
-            DescribeFrame(frames=frames[: n + 1], descriptions=descriptions[:n], total=len(frames))
-            for n in range(len(descriptions))
-        ),
-        naming_prompt(fields, descriptions),
-        choosing_prompt(fields, kinds, descriptions),
-        acting_prompt(fields, descriptions),
-    )
-    for prompt in prompts:
-        yield Request(prompt, prompt.messages(), prompt.answer_schema())
+    if is_withheld:
+        shown = shown.without_pictures()
+    return [
+        *chain,
+        naming_prompt(shown, descriptions),
+        choosing_prompt(shown, kinds, descriptions),
+        acting_prompt(shown, descriptions),
+    ]
+
+
+def _questions_of_the_paper(config: StudyConfig) -> list[Prompt[Any]]:
+    """Return the questions of the paper's protocol about one scene, at their expected length.
+
+    Both drives begin with the same picture; of as many, it is described once.
+    """
+    before, whole = _shown(moments(config.frames)), _shown(MOMENTS)
+    chain, whole_chain = _chain(before), _chain(whole)
+    return [
+        *chain,
+        acting_prompt(before, (DESCRIPTION,) * len(chain), "paper"),
+        *whole_chain[before == whole :],
+        naming_prompt(whole, (DESCRIPTION,) * len(whole_chain), "paper"),
+    ]
+
+
+def _shown(names: Sequence[str], *, is_rear: bool = False) -> ShownDrive:
+    """Return a drive of so many pictures with facts of the usual length."""
+    frames = tuple(Image(name=f"{name}.jpg", sha256="0" * 64) for name in names)
+    facts = DriveFacts(times_s=(0.0,) * len(frames), ego_speed_mps=10.0, behind="a lorry")
+    return ShownDrive(frames, facts, frames[0] if is_rear else None)
+
+
+def _chain(shown: ShownDrive) -> list[DescribeFrame]:
+    """Return the questions that have the pictures described in turn."""
+    frames = shown.images
+    return [
+        DescribeFrame(frames=frames[: n + 1], descriptions=(DESCRIPTION,) * n, total=len(frames))
+        for n in range(len(frames))
+    ]
 
 
 class _PricedAuthor:

@@ -1,6 +1,7 @@
 """The describer, which writes distinct texts, and their twins, for the paths of a tree (paper, section III-B)."""
 
 from collections.abc import Iterable, Mapping, Sequence, Set
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -77,7 +78,7 @@ class Describer(Brief):
 
     @checked
     def run(self, tree: ScenarioTree, *, progress: Progress | bool | None = None) -> list[Scenario]:
-        """Return up to `per_path` scenarios for every leaf, in tree order, all with different texts.
+        """Return up to `per_path` scenarios for every leaf, in tree order, with different texts if the model has them.
 
         Args:
             tree: The simulatable tree.
@@ -133,7 +134,7 @@ class Describer(Brief):
     def reworded(self, scenarios: Iterable[Scenario]) -> list[Scenario]:
         """Return new versions of scenarios that repeat an earlier text, ignoring case and punctuation.
 
-        A repetition stays if the model has no other text.
+        A repetition stays if the model gives no other text.
 
         Raises:
             LLMError: When the model fails.
@@ -146,7 +147,9 @@ class Describer(Brief):
             words = folded_words(scenario.text)
             if words in earlier:
                 same_leaf = [other.text for other in scenarios if other.leaf == scenario.leaf]
-                fresh, _ = self._draw(scenario.path, 1, avoid=same_leaf, taken=taken)
+                fresh: list[str] = []
+                with suppress(AnswerError):
+                    fresh, _ = self._draw(scenario.path, 1, avoid=same_leaf, taken=taken)
                 if not fresh:
                     continue
                 reworded.append(self._scenario(scenario.id, fresh[0], scenario.leaf, scenario.path))

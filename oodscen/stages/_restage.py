@@ -115,7 +115,18 @@ def contradiction(
 def variants(
     scene: Scene, catalogue: Catalogue, *, is_too_easy: bool
 ) -> Iterator[tuple[Scene, str]]:
-    """Yield changed scenes, the smallest change first, each with a description of the change."""
+    """Yield changed scenes, each once, the smallest change first, with a description of the change."""
+    earlier = [scene]
+    for variant, how in _variants(scene, catalogue, is_too_easy=is_too_easy):
+        if variant not in earlier:
+            earlier.append(variant)
+            yield variant, how
+
+
+def _variants(
+    scene: Scene, catalogue: Catalogue, *, is_too_easy: bool
+) -> Iterator[tuple[Scene, str]]:
+    """Yield scenes as `variants` does; one at a limit may be as it was."""
     yield from _other_decisions(scene, is_too_easy=is_too_easy)
     yield from _other_speeds(scene, is_too_easy=is_too_easy)
     if is_too_easy and any(asset.id == "car" for asset in catalogue.assets):

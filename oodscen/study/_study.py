@@ -29,7 +29,6 @@ from oodscen.errors import (
 )
 from oodscen.judging._drive_board import DriveBoard, drive_board
 from oodscen.judging._leaderboard.board import Leaderboard
-from oodscen.judging._leaderboard.leaderboard import leaderboard
 from oodscen.judging._leaderboard.requirements import (
     RequirementResult,
     parse_requirement,
@@ -41,6 +40,7 @@ from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.restoration import Restoration
 from oodscen.stages._prune.side_by_side import CatalogueComparison
 from oodscen.stages._redteam.red_teamer import Round
+from oodscen.study._board import board_of
 from oodscen.study._config import StudyConfig
 from oodscen.study._files import LINES, VALUES, FailedLine
 from oodscen.study._record import Info
@@ -284,19 +284,12 @@ class Study(Brief, StudyUses):
         return self._rows(DriveResult, "drives.jsonl")
 
     def leaderboard(self) -> Leaderboard:
-        """Return the leaderboard of the study's verdicts.
+        """Return the leaderboard of the study's verdicts, as in `leaderboard.json`.
 
         Raises:
             UsageError: If a verdict does not belong to its drive as it is now.
         """
-        return leaderboard(
-            self.verdicts,
-            self.episodes,
-            self.scenarios,
-            whole=self.whole,
-            audit=self.audit,
-            seed=self.config.seed,
-        )
+        return board_of(self, self.verdicts)
 
     @property
     def audit(self) -> Audit | None:

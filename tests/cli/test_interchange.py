@@ -51,6 +51,14 @@ def test_a_study_is_exported_and_its_files_are_read(study, tmp_path):
         assert json.loads(back.stdout) == scene.model_dump(mode="json")
 
 
+def test_a_text_whose_claims_could_not_be_read_is_exported_and_varied_without_any(study, tmp_path):
+    rows = [json.loads(line) for line in (study / "claims.jsonl").read_text().splitlines()]
+    failed = [{"id": row["id"], "status": "failed", "error": "no answer"} for row in rows]
+    (study / "claims.jsonl").write_text("".join(json.dumps(row) + "\n" for row in failed))
+    assert run("export", study, "-o", tmp_path / "exported", "--no-twins").exit_code == 0
+    assert run("vary", study, "-n", 1).exit_code == 0
+
+
 @pytest.mark.parametrize("form", ["openscenario", "osi"])
 def test_a_scene_without_a_lane_for_the_action_is_reported_and_not_written(form, tmp_path):
     scenes, out = tmp_path / "scenes.jsonl", tmp_path / "out"

@@ -3,8 +3,12 @@ import json
 import pytest
 from click.testing import CliRunner
 
+from oodscen import ScenarioTree
 from oodscen._cli import main
+from oodscen.errors import LLMError
+from oodscen.protocols import Completion
 from oodscen.testing._scenes import example_scene
+from oodscen.tree._scenario_tree import TreeEdit
 
 BOX = "On a two-lane residential street, a large cardboard box lies in ego's lane ahead."
 
@@ -22,6 +26,35 @@ def test_a_text_that_cannot_be_staged_costs_its_own_scene_only(tmp_path) -> None
     assert "sum: the built-in author does not recognise" in found.output
     assert "1 of 2 texts staged" in found.output
     assert [json.loads(line)["id"] for line in out.read_text().splitlines()] == ["box"]
+
+
+class Tiring:
+    """Writes the same text for every path, and then fails."""
+
+    name = "tiring"
+
+    def __init__(self):
+        self.calls = 0
+
+    def complete(self, request):
+        self.calls += 1
+        if self.calls > 2:
+            raise LLMError("the server is gone")
+        return Completion(text=json.dumps({"texts": [BOX]}))
+
+
+def test_texts_are_written_although_those_that_repeat_cannot_be_reworded(tmp_path) -> None:
+    tree = ScenarioTree.initial().apply(
+        TreeEdit(op="add", node="debris", parent="environmental", label="Debris"),
+        TreeEdit(op="add", node="box", parent="debris", label="Box on the road"),
+        TreeEdit(op="add", node="carton", parent="debris", label="Carton on the road"),
+    )
+    (tmp_path / "tree.json").write_text(tree.to_json())
+    words = ("describe", tmp_path / "tree.json", "--llm", f"{__name__}:Tiring", "--per-path", 1)
+    found = invoke(*words, "-o", tmp_path / "texts.jsonl")
+    assert found.exit_code == 0
+    assert "texts that repeat others stay: the server is gone" in found.output
+    assert len((tmp_path / "texts.jsonl").read_text().splitlines()) == 2
 
 
 @pytest.mark.parametrize("content", ["", "\n \n"])

@@ -11,9 +11,10 @@ from oodscen._pipeline import run_study
 from oodscen._pipeline.dropping import drop_models
 from oodscen.errors import UnknownComponent
 from oodscen.judging._constant_answerers import ConstantAnswerer
+from oodscen.judging._leaderboard.board import Leaderboard
 from oodscen.judging._references import ALWAYS
 from oodscen.testing import ScriptedLLM
-from tests.pipeline.quick import SMALL, asked_about
+from tests.pipeline.quick import SMALL, asked_about, lines, rewrite
 
 ADDRESS = "http://127.0.0.1:1/v1"
 
@@ -95,3 +96,25 @@ def test_a_replay_goes_by_either_name_and_when_its_file_is_gone(made, tmp_path) 
     for one in (study, *copies):
         assert one.config.vlms == ()
         assert {row.model for row in one.verdicts} == {*ALWAYS}
+
+
+def test_the_leaderboard_keeps_the_papers_frames_and_leaves_out_what_cannot_be_named(
+    small, tmp_path
+) -> None:
+    folder = shutil.copytree(small, tmp_path / "study")
+    rows = lines(folder, "episodes.jsonl")
+    below = next(row for row in rows if row["sighting"])
+    config = SMALL.model_copy(update={"vlms": ("good", "bad"), "protocols": ("ours", "paper")})
+    models = {name: named(name) for name in config.vlms}
+    for size_px in (below["sighting"]["size_px"], 1.0):
+        below["sighting"]["size_px"] = size_px
+        rewrite(folder, "episodes.jsonl", rows)
+        study = run_study(folder, config, models=models)
+        written = Leaderboard.load(folder / "leaderboard.json")
+        assert study.leaderboard() == written
+        copy = Study.open(shutil.copytree(folder, tmp_path / f"dropped at {size_px}"))
+        drop_models(copy, ["bad"])
+        dropped = Leaderboard.load(copy.folder / "leaderboard.json")
+        assert dropped == copy.leaderboard()
+        assert (dropped.whole, dropped.scenes) == (written.whole, written.scenes)
+    assert written.scenes == 0

@@ -3,6 +3,7 @@
 import json
 import random
 import threading
+from collections import Counter
 from concurrent.futures import Executor, Future
 from contextlib import suppress
 from urllib.parse import quote
@@ -272,6 +273,26 @@ def test_an_estimate_counts_the_calls_that_are_left(tmp_path, quiet):
         assert row.cost_usd == pytest.approx((row.input_tokens + row.output_tokens) / 1e6)
     assert estimate(quiet, CONFIG, options) == []
     assert not (tmp_path / "none").exists()
+
+
+@pytest.mark.parametrize(("frames", "withheld"), [(3, ("both",)), (4, ())])
+def test_an_estimate_counts_the_calls_of_both_protocols(tmp_path, frames, withheld):
+    answers = {
+        "describe-frame": {"description": "a road"},
+        "name-aspect": {"is_ood": True, "aspect": "something odd", "confidence": 0.8},
+        "name-ood-aspect": {"aspect": "something odd"},
+        "choose-aspect": {"choice": 1},
+        "choose-action": {"reasoning": "", "action": "stop"},
+    }
+    models = {name: ScriptedLLM(answers, name=name) for name in ("both", "paper")}
+    changes = {"protocols": ("ours", "paper"), "asked": {"paper": ("paper",)}, "frames": frames}
+    config = SMALL.model_copy(update={"vlms": (*models,), "withheld": withheld, **changes})
+    rows = estimate(tmp_path / "study", config, RunOptions(models=models))
+    calls = {row.group[1]: row.calls for row in rows if row.group[0] == "evaluate"}
+    study = run_study(tmp_path / "study", config, models=models)
+    asked = Counter(line["model"] for line in study.store.lines("calls.jsonl"))
+    assert calls == {name: asked[name] for name in models}
+    assert estimate(study.folder, config, RunOptions(models=models)) == []
 
 
 def call(*arguments):

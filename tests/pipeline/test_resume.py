@@ -13,7 +13,7 @@ from oodscen._pipeline import Outputs, run_study
 from oodscen.data._pairing import scene_of
 from oodscen.errors import DataError, UsageError
 from oodscen.testing import ScriptedLLM
-from tests.pipeline.quick import QUICK, SMALL, content, lines, rewrite
+from tests.pipeline.quick import ORDINARY, QUICK, SMALL, content, lines, rewrite
 
 CONFIG = QUICK.model_copy(
     update={
@@ -207,6 +207,20 @@ def test_what_follows_from_a_text_that_was_changed_is_made_again(folder):
         assert new[0]["made_from"] != old[0]["made_from"]
         assert new[1:] == old[1:]
     assert json.loads((folder / "metrics.json").read_text())["made_from"] != metrics["made_from"]
+
+
+def test_the_texts_are_measured_again_against_ordinary_texts_that_were_changed(small, tmp_path):
+    folder, baseline = shutil.copytree(small, tmp_path / "study"), tmp_path / "own.txt"
+    texts = ORDINARY.read_text().splitlines()
+    info = json.loads((folder / "study.json").read_text())
+    info["config"]["baseline"] = str(baseline)
+    (folder / "study.json").write_text(json.dumps(info))
+    measured = []
+    for count in (len(texts), len(texts) // 2):
+        baseline.write_text("\n".join(texts[:count]))
+        study = run_study(folder, SMALL.model_copy(update={"baseline": str(baseline)}))
+        measured.append(study.metrics["sets"]["simulatable"]["oodness"])
+    assert measured[0] != measured[1]
 
 
 def test_a_branch_that_is_kept_by_hand_gets_texts_and_the_others_stay(folder):

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from oodscen import Describer, Metrics, ScenarioTree
 from oodscen._text import folded_words
 from oodscen.author._builtin import BuiltinAuthor
+from oodscen.data._scenario import Scenario
 from oodscen.errors import UsageError
 from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary
 from oodscen.prompts._scenario.describe_path import STYLES
@@ -47,6 +48,22 @@ def test_ids_are_numbered_within_the_leaf_and_batches_avoid_earlier_texts():
     assert [item.id for item in scenarios][:2] == ["box-001", "box-002"]
     assert [item.text for item in scenarios] == texts[:23]
     assert all(item.path == PATH and item.leaf == "box" for item in scenarios)
+
+
+def test_a_text_that_a_model_insists_on_stays_and_the_other_repetitions_are_reworded():
+    texts = [f"The ego meets obstacle number {number} on its way." for number in range(3)]
+    other = (*PATH[:-1], "Tyre on the road")
+    scenarios = [
+        Scenario(id=f"leaf-{number}", leaf=f"leaf-{len(path[-1])}", path=path, text=texts[0])
+        for number, path in enumerate((PATH, other, PATH))
+    ]
+
+    def answer(request):
+        insists = request.prompt.path == other
+        return {"texts": [texts[0 if insists else len(request.prompt.avoid)]]}
+
+    (reworded,) = Describer(ScriptedLLM(answer)).reworded(scenarios)
+    assert (reworded.id, reworded.text) == (scenarios[2].id, texts[2])
 
 
 def test_a_writer_knows_what_was_made_for_its_kind_only():

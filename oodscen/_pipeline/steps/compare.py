@@ -33,7 +33,10 @@ def compare_catalogues(run: Context, tree: ScenarioTree) -> None:
 
 
 def _is_compared(run: Context, tree: ScenarioTree) -> bool:
-    """Return whether a comparison of this tree is stored."""
+    """Return whether a comparison of this tree is stored; one with leaves that failed counts unless they are retried."""
     if not run.store.holds(CATALOGUES):
         return False
-    return {line.id: line.path for line in run.study.comparison.lines} == tree.paths
+    comparison = run.study.comparison
+    if run.options.retry and any(tally.failed for tally in comparison.tallies):
+        return False
+    return {line.id: line.path for line in comparison.lines} == tree.paths

@@ -20,7 +20,10 @@ def measure(
         name: [[scenario.leaf, scenario.text] for scenario in chosen]
         for name, chosen in groups.items()
     }
-    made_from = digest([texts, leaves, run.config.rarity_llm])
+    inputs: list[object] = [texts, leaves, run.config.rarity_llm]
+    if run.baseline is not None:
+        inputs.append(run.baseline.digest())
+    made_from = digest(inputs)
     is_made = run.store.holds("metrics.json") and run.study.metrics.get("made_from") == made_from
     if not is_made or (run.options.retry and unanswered(run.study)):
         run.progress("metrics", 0, 1)

@@ -18,6 +18,8 @@ from oodscen.study._made import made_for
 from oodscen.study._store import Store
 from oodscen.tree._scenario_tree import ScenarioTree
 
+Line = dict[str, Any]
+
 SHORT_PATHS = "short_paths.jsonl"
 """File with a line per path whose kind bears fewer texts than were asked for."""
 
@@ -65,7 +67,7 @@ def _describe(
     Texts that are to be shown are written with the simulator's catalogue in view.
     """
     describer = _describer(run, sample, is_shown=is_shown)
-    lines: dict[str, list[dict[str, Any]]] = {}
+    lines: dict[str, list[Line]] = {}
     for line in run.store.lines(file):
         if not run.is_again(line):
             lines.setdefault(line.get("leaf", ""), []).append(line)
@@ -79,7 +81,7 @@ def _describe(
         if leaf in paths and _is_whole(rows, paths[leaf], accepted[leaf])
     }
 
-    def work(leaf: str) -> list[dict[str, Any]]:
+    def work(leaf: str) -> list[Line]:
         try:
             scenarios = describer.path(leaf, paths[leaf], counts[leaf])
         except (LLMError, UsageError) as error:
@@ -89,10 +91,11 @@ def _describe(
     todo = [leaf for leaf in paths if leaf not in done]
     if todo:
         run.store.write_lines(file, (row for rows in done.values() for row in rows))
+        _list_short_paths(run.store, file, done, counts)
     run.progress(stage, len(done), len(paths))
     for leaf, rows in as_finished(work, todo, threads=run.threads, cancel=run.cancel):
-        if len(rows) < counts[leaf] and "error" not in rows[0]:
-            run.store.append(SHORT_PATHS, {"file": file, "leaf": leaf, "texts": len(rows)})
+        for line in _short_paths(file, {leaf: rows}, counts):
+            run.store.append(SHORT_PATHS, line)
         for row in rows:
             run.store.append(file, row)
         done[leaf] = rows
@@ -101,7 +104,30 @@ def _describe(
     if run.options.retry and describer.options.twins:
         ordered = [_twinned(describer, row) for row in ordered]
     run.store.write_lines(file, ordered)
+    _list_short_paths(run.store, file, {leaf: done[leaf] for leaf in paths}, counts)
     return [Scenario.parse(row) for row in ordered if "error" not in row]
+
+
+def _list_short_paths(
+    store: Store, file: str, done: Mapping[str, Sequence[Line]], counts: Mapping[str, int]
+) -> None:
+    """Write the lines about the short paths of a file, in the paths' order; those of other files stay."""
+    before = list(store.lines(SHORT_PATHS))
+    lines = [line for line in before if line["file"] != file] + _short_paths(file, done, counts)
+    lines.sort(key=lambda line: line["file"])
+    if lines != before:
+        store.write_lines(SHORT_PATHS, lines)
+
+
+def _short_paths(
+    file: str, done: Mapping[str, Sequence[Line]], counts: Mapping[str, int]
+) -> list[Line]:
+    """Return a line for every path with fewer texts than were asked for, unless it failed."""
+    return [
+        {"file": file, "leaf": leaf, "texts": len(rows)}
+        for leaf, rows in done.items()
+        if len(rows) < counts[leaf] and "error" not in rows[0]
+    ]
 
 
 def _describer(run: Context, sample: int, *, is_shown: bool) -> Describer:
@@ -128,7 +154,7 @@ def _describer(run: Context, sample: int, *, is_shown: bool) -> Describer:
     )
 
 
-def _distinct(describer: Describer, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def _distinct(describer: Describer, rows: list[Line]) -> list[Line]:
     """Reword texts that repeat a text of an earlier path."""
     scenarios = [Scenario.parse(row) for row in rows if "error" not in row]
     try:
@@ -141,7 +167,7 @@ def _distinct(describer: Describer, rows: list[dict[str, Any]]) -> list[dict[str
     return [reworded.get(row["id"], row) for row in rows]
 
 
-def _twinned(describer: Describer, row: dict[str, Any]) -> dict[str, Any]:
+def _twinned(describer: Describer, row: Line) -> Line:
     """Return the line of a text with its ordinary twin, which may have failed before."""
     if not _lacks_twin(row):
         return row

@@ -16,6 +16,8 @@ from oodscen.prompts._digest import CatalogueDigest
 
 _BLANK: Mapping[str, Any] = {"map": "", "ego": {"speed": 0}, "hazard": {}, "decision": {}}
 """Placeholders for the required fields of a draft whose text cannot be shown."""
+_MOST_TURNED_DEG = 1e6
+"""Heading from which a number is no turn, degrees."""
 
 
 class SceneDraft(Brief, BaseModel):
@@ -95,7 +97,7 @@ def _fold_headings(draft: dict[str, Any]) -> None:
         if not isinstance(placement, dict):
             continue
         heading = placement.get("heading_deg")
-        if isinstance(heading, (int, float)) and math.isfinite(heading) and abs(heading) > 180:
+        if isinstance(heading, int | float) and 180 < abs(heading) < _MOST_TURNED_DEG:
             placement["heading_deg"] = math.remainder(heading, 360.0)
 
 

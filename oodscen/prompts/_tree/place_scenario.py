@@ -50,6 +50,11 @@ class PlacedScenario(Brief, BaseModel):
         default=[], description="leaves that would have been the next best choices"
     )
 
+    @field_validator("node", "label", "category", mode="before")
+    @classmethod
+    def _given(cls, value: object) -> object:
+        return None if isinstance(value, str) and not value.strip() else value
+
     @field_validator("members", "also", mode="before")
     @classmethod
     def _listed(cls, value: object) -> object:

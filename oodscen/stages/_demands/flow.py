@@ -32,7 +32,7 @@ def _vehicle_of_like_size(setting: Setting, rng: np.random.Generator) -> str:
 def _standing_line(
     setting: Setting, rng: np.random.Generator, rear_m: float, first: str, count: int, lane: int = 0
 ) -> list[Actor]:
-    """Return vehicles that stand one behind the other, the last one's tail at `rear_m`."""
+    """Return vehicles that stand one behind the other, the last one's tail at `rear_m`; none if there are no cars."""
     vehicles, along_m = [], rear_m
     for number in range(1, count + 1):
         asset = first if number == 1 and not lane else setting.choose(rng, *CARS)
@@ -53,6 +53,8 @@ def queue(setting: Setting, rng: np.random.Generator) -> Draft | None:
     gap = max(setting.gap_m - 0.5 * setting.length(first), FRONT_M + 2.5 + setting.braking_m(_CALM))
     rear_m = setting.decision_m + gap
     vehicles = _standing_line(setting, rng, rear_m, first, int(rng.integers(2, 5)))
+    if not vehicles:
+        return None
     if setting.lanes > 1:
         for lane in setting.same_way_lanes:
             if lane:
@@ -112,6 +114,8 @@ def leader(setting: Setting, rng: np.random.Generator) -> Draft | None:
     noun = everyday_name(asset)
     stop_m = setting.decision_m + gap + left_m + reach + 3.0
     line = _standing_line(setting, rng, stop_m, setting.choose(rng, *CARS), 2)
+    if not line:
+        return None
     return demand(
         [lead, *line],
         noun,

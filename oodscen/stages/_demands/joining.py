@@ -122,10 +122,13 @@ def ambulance(setting: Setting, rng: np.random.Generator) -> Draft | None:
         duration=_MOVE_S,
     )
     quote = "an ambulance with its blue lights on passes and moves over ahead of the ego vehicle"
+    car = setting.choose(rng, *CARS)
+    if not car:
+        return None
     slower = 0.6 * setting.speed
     lead = actor(
         "lead",
-        setting.choose(rng, *CARS),
+        car,
         setting.decision_m + gap + 16.0 - slower * setting.decision_s,
         behaviour="follow_lane",
         speed=slower,

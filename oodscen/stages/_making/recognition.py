@@ -57,7 +57,7 @@ class PropRecogniser:
         chosen = labels[answer.choice - 1]
         if chosen == prop.description:
             return ""
-        return one_line(answer.seen or chosen)[:200]
+        return (one_line(answer.seen) or chosen)[:200]
 
 
 def options(prop: Prop, catalogue: Catalogue) -> tuple[str, ...]:

@@ -92,7 +92,7 @@ def judged_again(
 ) -> list[PruneDecision]:
     """Judge the leaves again whose lacking things and movements have all been `made`.
 
-    The pruner's catalogue must have them. A leaf is kept only if it is shown with a thing that was made for it.
+    The pruner's catalogue must have them.
     """
     names = {
         decision.id: tuple(lack.name for lack in decision.lacks)

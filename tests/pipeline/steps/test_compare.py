@@ -80,3 +80,23 @@ def test_no_catalogue_can_be_asked_for():
     assert StudyConfig().compared == ("carla-0.9.16",)
     assert StudyConfig(catalogues=()).compared == ()
     assert StudyConfig(llm="gpt-4o").compared == ()
+
+
+def test_leaves_that_could_not_be_judged_are_judged_again_on_demand(tmp_path, tree):
+    author = BuiltinAuthor(QUICK.seed)
+    config = QUICK.model_copy(update={"llm": "served", "catalogues": ("carla-0.9.16",)})
+    failed = []
+    for retry, answer in ((False, "?"), (False, None), (True, None), (True, "?")):
+
+        def answering(request, answer=answer):
+            return answer or author.complete(request).text
+
+        run = Context(
+            tmp_path, config, RunOptions(models={"served": ScriptedLLM(answering)}, retry=retry)
+        )
+        run.prepare()
+        with run.store.writing():
+            compare_catalogues(run, tree)
+        run.models.close()
+        failed.append(run.study.comparison.tallies[1].failed)
+    assert failed == [3, 3, 0, 0]

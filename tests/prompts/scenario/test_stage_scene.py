@@ -5,6 +5,7 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import ValidationError
 
 from oodscen.data._claim import Claim
 from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
@@ -60,6 +61,13 @@ def test_headings_wrap(heading):
         found = actor.placement.heading_deg
         assert -180 <= found <= 180
         assert math.isclose(math.remainder(found - heading, 360.0), 0.0, abs_tol=1e-6)
+
+
+@pytest.mark.parametrize("heading", [10**400, 1e300, math.inf, math.nan])
+def test_a_heading_that_is_no_turn_is_a_fault(heading):
+    turned = {**ACTOR, "placement": {"ahead_m": 50.0, "heading_deg": heading}}
+    with pytest.raises(ValidationError, match="heading_deg"):
+        SceneDraft.model_validate({**DRAFT, "actors": [turned]})
 
 
 @pytest.mark.parametrize("rest", [{}, DRAFT, {"actors": "none", "map": None}])

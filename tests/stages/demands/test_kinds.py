@@ -49,3 +49,14 @@ def test_no_kind_fails_before_a_standing_ego_or_far_along_the_road(kind, setting
     for extreme in (standing, far):
         draft = kind.drawn(extreme, np.random.default_rng(0))
         assert draft is None or draft.actors
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.id)
+@given(setting=settings(), kept=st.sets(st.sampled_from([one.id for one in CATALOGUE.assets])))
+def test_every_kind_does_with_the_assets_that_there_are(kind, setting, kept):
+    kept |= set(kind.assets)
+    assets = tuple(asset for asset in CATALOGUE.assets if asset.id in kept)
+    fewer = replace(setting, catalogue=CATALOGUE.model_copy(update={"assets": assets}))
+    draft = kind.drawn(fewer, np.random.default_rng(0))
+    assert draft is None or {actor.asset for actor in draft.actors} <= kept
+    assert draft is None or draft.actors

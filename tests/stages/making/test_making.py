@@ -48,7 +48,7 @@ def test_its_pictures_are_kept() -> None:
     assert views_of(seen).shape == (height, width * 3 // 2, 3)
 
 
-def recognised(*choices: str) -> Any:
+def recognised(*choices: str, seen: str = "a sofa") -> Any:
     """Return what is made if a vision model chooses these words, what the designer was asked, and the labels."""
     shown: list[tuple[str, ...]] = []
 
@@ -56,7 +56,7 @@ def recognised(*choices: str) -> Any:
         labels = request.prompt.labels
         assert all(image.read() for image in request.prompt.images())
         shown.append(labels)
-        return {"seen": "a sofa", "choice": labels.index(choices[len(shown) - 1]) + 1}
+        return {"seen": seen, "choice": labels.index(choices[len(shown) - 1]) + 1}
 
     seeing = ScriptedLLM(see)
     seeing.name = "eyes"
@@ -83,6 +83,12 @@ def test_a_thing_that_is_not_named_goes_back_once_and_is_dropped() -> None:
     made, asked, _ = recognised(NONE, NONE)
     assert (made.prop, len(asked)) == (None, 2)
     assert made.reason == "not named by eyes, which took it for: a sofa"
+
+
+@pytest.mark.parametrize("seen", ["", " "])
+def test_a_thing_that_is_not_named_is_dropped_also_without_words_for_it(seen: str) -> None:
+    made, *_ = recognised(NONE, NONE, seen=seen)
+    assert made.reason == f"not named by eyes, which took it for: {NONE}"
 
 
 @pytest.mark.parametrize(
