@@ -21,4 +21,4 @@ def seconds(value: float) -> str:
 
 def speed(value: float) -> str:
     """Return a speed in m/s as text, with km/h beside it."""
-    return f"{tenths(value)} m/s ({3.6 * value:.0f} km/h)"
+    return f"{tenths(value)} m/s ({3.6 * value:z.0f} km/h)"

@@ -75,9 +75,8 @@ def _abridged(value: object) -> str:
     if hasattr(value, "dtype") and hasattr(value, "shape"):
         return f"<{value.dtype}{list(value.shape)}>"
     if isinstance(value, Mapping):
-        secret = set(secrets_in(value))
         items = (
-            (key, HIDDEN if isinstance(item, str) and item in secret else item)
+            (key, item if isinstance(item, Mapping) or not secrets_in({key: item}) else HIDDEN)
             for key, item in value.items()
         )
         parts = [f"{_abridged(key)}: {_abridged(item)}" for key, item in islice(items, _MOST)]

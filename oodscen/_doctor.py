@@ -136,7 +136,8 @@ def examine_knowledge(path: str | Path | None = None) -> list[CheckResult]:
     staged = max(inspection.shown.values(), default=0)
     counts = {"hazards": inspection.hazards, "families": inspection.families, "staged": staged}
     is_enough = path is not None or all(counts[key] >= least for key, least in WANTED.items())
-    wanted = "" if path is not None else " (at least 220 in 30, 90 of them shown)"
+    minimum = "at least {hazards} in {families}, {staged} of them shown".format_map(WANTED)
+    wanted = "" if path is not None else f" ({minimum})"
     shown = ", ".join(f"{name} shows {number}" for name, number in inspection.shown.items())
     total = (
         f"{inspection.hazards} hazards in {inspection.families} families{wanted}; "

@@ -120,8 +120,10 @@ def read_utf8(path: str | Path, noun: str, *, limit: int = MAX_BYTES) -> str:
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        line = len((content[: error.start] + b".").splitlines())
-        issue = Issue(f"line {line}", f"is not UTF-8 text: {error.reason} at byte {error.start}")
+        # The error counts from behind the byte order mark, which its object lacks.
+        line = len((error.object[: error.start] + b".").splitlines())
+        place = len(content) - len(error.object) + error.start
+        issue = Issue(f"line {line}", f"is not UTF-8 text: {error.reason} at byte {place}")
         raise DataError(noun, [issue], source=str(path)) from None
 
 

@@ -123,12 +123,13 @@ def hide(values: Iterable[str]) -> None:
 def secrets_in(arguments: Mapping[str, Any]) -> list[str]:
     """Return the credentials in named arguments or headers, including nested ones."""
     found = []
-    for name, value in arguments.items():
-        if isinstance(value, Mapping):
-            found += secrets_in(value)
-        elif isinstance(value, str) and _SECRET_NAME.search(str(name)):
-            # A header may put its scheme before the credential.
-            found += [value, value.split()[-1]] if value.strip() else []
+    for name, held in arguments.items():
+        for value in held if isinstance(held, list | tuple) else (held,):
+            if isinstance(value, Mapping):
+                found += secrets_in(value)
+            elif isinstance(value, str) and _SECRET_NAME.search(str(name)):
+                # A header may put its scheme before the credential.
+                found += [value, value.split()[-1]] if value.strip() else []
     return found
 
 

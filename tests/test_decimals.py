@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._decimals import tenths
+from oodscen._decimals import speed, tenths
 
 
 @given(st.integers(-100_000, 100_000))
@@ -26,3 +26,8 @@ def test_the_text_lies_within_half_a_tenth(value: float) -> None:
 def test_huge_numbers_are_shown_all_the_same() -> None:
     assert tenths(1e28) == f"{1e28:.1f}"
     assert tenths(float("inf")) == "inf"
+
+
+@given(st.floats(-0.1, 0.1))
+def test_no_speed_is_minus_nothing(value: float) -> None:
+    assert "-0 " not in speed(value)

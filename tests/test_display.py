@@ -171,8 +171,10 @@ def test_any_text_is_cut_to_five_lines(text):
 
 def test_credentials_by_name_are_hidden():
     fields = {"headers": {"Authorization": "Basic swordfish"}, "options": [{"api_key": "abc"}]}
+    fields["settings"] = {"tokens": ["clownfish"]}
     text = brief(Brief(), fields.items())
     assert "swordfish" not in text
+    assert "clownfish" not in text
     assert "abc" not in text
 
 

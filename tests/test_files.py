@@ -139,10 +139,13 @@ def test_text_is_utf8_with_or_without_a_mark(tmp_path):
     for content in (b"\xef\xbb\xbfa deer", b"a deer"):
         path.write_bytes(content)
         assert read_utf8(path, "thing") == "a deer"
-    path.write_bytes(b"one\rtwo\r\nthree\n\xff")
-    with pytest.raises(DataError) as caught:
-        read_utf8(path, "thing")
-    assert caught.value.issues[0].path == "line 4"
+    for mark in (b"", b"\xef\xbb\xbf"):
+        path.write_bytes(mark + b"one\rtwo\r\nthree\n\xff")
+        with pytest.raises(DataError) as caught:
+            read_utf8(path, "thing")
+        (issue,) = caught.value.issues
+        assert issue.path == "line 4"
+        assert issue.message.endswith(f"byte {len(mark) + 15}")
 
 
 def test_a_missing_place_for_temporary_files_is_one_line(monkeypatch, tmp_path):

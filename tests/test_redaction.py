@@ -89,8 +89,13 @@ def test_arguments_headers_and_addresses_hold_credentials():
         "api_key": "one",
         "max_tokens": 8,
         "extra_headers": {"X-Api-Key": "two", "Authorization": "Basic three", "X-Title": "four"},
+        "fallbacks": [{"model": "seven", "api_key": "eight"}],
+        "tokens": ("nine", "ten"),
     }
-    assert secrets_in(options) == ["one", "one", "two", "two", "Basic three", "three"]
+    assert secrets_in(options) == [
+        *("one", "one", "two", "two", "Basic three", "three"),
+        *("eight", "eight", "nine", "nine", "ten", "ten"),
+    ]
     assert secrets_of("https://me:five@host/v1?key=six&model=m") == ["five", "six", "six"]
     assert secrets_of("http://[") == []
 

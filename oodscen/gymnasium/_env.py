@@ -26,7 +26,7 @@ from oodscen.gymnasium._reward import Reward
 from oodscen.gymnasium._scene_set import SceneSet
 from oodscen.gymnasium._scenes import chosen_scenes
 from oodscen.gymnasium._simulator_use import claim, release
-from oodscen.protocols import Camera, Driver, Frame, Observation, Simulator, State
+from oodscen.protocols import Camera, Driver, Frame, Observation, Simulator, State, camera_for
 from oodscen.study._study import Study
 
 _ROUNDING_S = 1e-6
@@ -239,7 +239,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
         return None if self._episode is None else self._episode.observation
 
     def look(self, camera: Camera) -> Frame:
-        """Return a frame of the current state.
+        """Return a frame of the current state; of a camera that looks ahead, one that sees from above only keeps the size.
 
         Raises:
             UsageError: Before the first reset, or if it is no camera.
@@ -248,6 +248,7 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
             raise UsageError("SceneEnv: call reset() first")
         instance_of("camera", camera, Camera)
         with working("simulator", self.simulator.name):
+            camera = camera_for(self._checked_simulator.catalogue(), camera)
             return render_checked(self.simulator, camera, len(self._episode.state.ids))
 
     @checked

@@ -89,9 +89,9 @@ def vary(
             for parameter in parameters
         }
         scene_id = f"{stem}.v{len(variants) + 1:03d}{mark}{kind}"
-        variant = changed(scene, values, scene_id)
+        variant = changed(scene, values)
         if variant is not None and is_sound(variant, catalogue, claims):
-            variants.append(variant)
+            variants.append(Scene.parse({**variant.model_dump(mode="json"), "id": scene_id}))
     return variants
 
 
@@ -102,7 +102,7 @@ def is_sound(scene: Scene | None, catalogue: Catalogue, claims: Sequence[Claim])
     return not claims or not mismatches(check_claims(claims, scene, catalogue))
 
 
-def changed(scene: Scene, values: dict[Path, float], scene_id: str | None = None) -> Scene | None:
+def changed(scene: Scene, values: dict[Path, float]) -> Scene | None:
     """Return a scene with some values replaced, or `None` if that is not a scene."""
     data: dict[str, Any] = scene.model_dump(mode="json")
     for path, value in values.items():
@@ -110,8 +110,6 @@ def changed(scene: Scene, values: dict[Path, float], scene_id: str | None = None
         for key in path[:-1]:
             container = container[key]
         container[path[-1]] = value
-    if scene_id is not None:
-        data["id"] = scene_id
     try:
         return Scene.parse(data)
     except DataError:

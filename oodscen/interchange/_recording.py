@@ -105,6 +105,24 @@ class RecordedRun(Brief):
         """Seconds per step."""
         return float(self.time[1] - self.time[0]) if len(self.time) > 1 else _STEP_OF_ONE_STATE_S
 
+    @property
+    def velocities(self) -> Floats:
+        """[n, bodies, 3] m/s; in a run of one state, along the headings."""
+        if len(self.time) > 1:
+            return self.rates(self.poses[:, :, :3])
+        headings = self.poses[:, :, 3]
+        along: Floats = np.stack(
+            (np.cos(headings), np.sin(headings), np.zeros_like(headings)), axis=2
+        )
+        return self.speeds[:, :, None] * along
+
+    def rates(self, values: Floats) -> Floats:
+        """Return by how much values [n, ...] change per second; 0 in a run of one state."""
+        if len(values) < 2:
+            return np.zeros_like(values)
+        rates: Floats = np.gradient(values, self.dt, axis=0)
+        return rates
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Reactions(Brief):

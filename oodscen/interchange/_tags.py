@@ -3,6 +3,7 @@
 The operational design domain follows ISO 34503 (BSI PAS 1883), whose classes the ontology has.
 """
 
+import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
@@ -15,7 +16,7 @@ from oodscen.data._catalogue import Asset, Catalogue, RoadMap
 from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG, FOG_M, Actor, Precipitation, Scene, Weather
 from oodscen.driving._motion.behaviours import BUILT_IN
 from oodscen.driving._roads.building import find_map, load_corridor
-from oodscen.driving._roads.corridor import Corridor
+from oodscen.driving._roads.corridor import Corridor, ego_strip, neighbour_strip
 from oodscen.interchange._writing.entities import classified
 
 ONTOLOGY = "https://openlabel.asam.net/V1-0-0/ontologies/openlabel_ontology_scenario_tags.ttl"
@@ -66,6 +67,7 @@ KNOWN_TAGS: dict[str, tuple[str, ...]] = {
         "TransverseUndivided",
         "TransversePavements",
         "TravelDirectionRight",
+        "TravelDirectionLeft",
         "LaneTypeTraffic",
         "EdgeShoulderPavedOrGravel",
         "SurfaceConditionWet",
@@ -112,13 +114,16 @@ def scene_tags(scene: Scene, catalogue: Catalogue) -> dict[str, float | None]:
     """
     road_map = find_map(scene.map, catalogue)
     tags: dict[str, float | None] = dict(_weather_tags(scene.weather))
-    tags |= dict.fromkeys(_road_tags(road_map, load_corridor(road_map)))
+    road = load_corridor(road_map)
+    tags |= dict.fromkeys(_road_tags(road_map, road))
     tags["subjectVehicleSpeedValue"] = round(_KPH * scene.ego.speed, 3)
     tags["SubjectVehicleSpeed"] = None
     catalogue = catalogue.for_scene(scene)
     for actor in scene.actors:
         asset = catalogue.asset(actor.asset)
-        tags |= dict.fromkeys((*_body_tags(asset), *_motion_tags(actor, asset)))
+        lane = neighbour_strip(road, ego_strip(road, scene.ego.lane), actor.placement.lane)
+        direction = road.strips[lane].direction
+        tags |= dict.fromkeys((*_body_tags(asset), *_motion_tags(actor, asset, direction)))
     return dict(sorted(tags.items()))
 
 
@@ -250,7 +255,7 @@ def _road_tags(road_map: RoadMap, road: Corridor) -> Iterator[str]:
     yield "TransverseDivided" if "divided" in road_map.traits else "TransverseUndivided"
     if any(strip.kind == "sidewalk" for strip in road.strips):
         yield "TransversePavements"
-    yield "TravelDirectionRight"
+    yield "TravelDirectionLeft" if road.keeps_left else "TravelDirectionRight"
     yield "LaneTypeTraffic"
     if road_map.has_shoulder:
         yield "EdgeShoulderPavedOrGravel"
@@ -277,8 +282,11 @@ def _body_tags(asset: Asset) -> Iterator[str]:
         yield "FixedStructureVegetation"
 
 
-def _motion_tags(actor: Actor, asset: Asset) -> Iterator[str]:
-    """Yield the motion of an actor; objects that only lie there have none."""
+def _motion_tags(actor: Actor, asset: Asset, direction: int) -> Iterator[str]:
+    """Yield the motion of an actor; objects that only lie there have none.
+
+    `direction` is that of its lane: +1 with the ego, -1 oncoming.
+    """
     if classified(asset)[0] == "MiscObject" and actor.behaviour.name == "stand":
         return
     row = BUILT_IN.get(actor.behaviour.name)
@@ -286,5 +294,9 @@ def _motion_tags(actor: Actor, asset: Asset) -> Iterator[str]:
         return
     yield from row.tags
     if row.plain_action == "lane_change":
-        is_left = actor.behaviour.parameters.get("lanes", 1.0) > 0.0
-        yield "MotionLaneChangeLeft" if is_left else "MotionLaneChangeRight"
+        # A scene counts lanes as the ego sees them, the ontology as the actor does.
+        lanes = direction * actor.behaviour.parameters.get("lanes", 1.0)
+        if math.cos(math.radians(actor.placement.heading_deg)) < 0.0:
+            lanes = -lanes
+        if lanes:
+            yield "MotionLaneChangeLeft" if lanes > 0.0 else "MotionLaneChangeRight"

@@ -328,6 +328,30 @@ def one_step(env):
     env.step([0.0, 0.0])
 
 
+class FromAbove(FlatSimulator):
+    """Sees from above only, and records its cameras."""
+
+    def __init__(self):
+        super().__init__()
+        self.cameras = []
+
+    def catalogue(self):
+        return super().catalogue().model_copy(update={"camera": "top"})
+
+    def draw(self, camera):
+        self.cameras.append(camera)
+        return super().draw(camera)
+
+
+def test_a_simulator_that_sees_from_above_is_asked_for_nothing_else(made):
+    simulator = FromAbove()
+    env = made(simulator=simulator, observation="frame", camera=TINY, render_mode="rgb_array")
+    picture, _ = env.reset(seed=0)
+    assert picture.shape == (TINY.height, TINY.width, 3)
+    assert env.render().shape == (480, 640, 3)
+    assert {camera.pitch_deg for camera in simulator.cameras} == {90.0}
+
+
 def test_every_step_has_a_frame_rate_that_videos_can_have(made):
     rates = [made(step_s=step_s).metadata["render_fps"] for step_s in (0.05, 0.5, 10.0)]
     assert rates == [20, 2, 1]

@@ -1,11 +1,13 @@
 from copy import deepcopy
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from lxml import etree
 
 from oodscen.data import Scene
 from oodscen.driving._sight.placement import check_scene
+from oodscen.errors import DataError
 from oodscen.interchange import read_openscenario
 from oodscen.interchange._ranges import _suffixes, changed, ranges, vary
 from tests.interchange.staging import SCENES, catalogue
@@ -39,6 +41,11 @@ def test_variants_are_within_the_ranges_and_the_same_for_a_seed():
             for key in parameter.path:
                 value = value[key]
             assert parameter.low - 1e-9 <= value <= parameter.high + 1e-9
+
+
+def test_an_id_without_room_for_a_number_is_an_error():
+    with pytest.raises(DataError, match="id"):
+        vary(SCENE.model_copy(update={"id": "a" * 200}), catalogue(), 1)
 
 
 def test_an_ordinary_drive_has_variants_that_are_ordinary():

@@ -1,6 +1,9 @@
+import pytest
+
 from oodscen.driving._motion.behaviours import BUILT_IN
 from oodscen.interchange._tags import KNOWN_TAGS, count_tags, openlabel, scene_tags
-from tests.interchange.staging import SCENES, catalogue
+from tests.driving.networks import file, lane, road
+from tests.interchange.staging import SCENES, catalogue, doing
 
 
 def test_tags_agree_with_the_scene():
@@ -17,6 +20,24 @@ def test_tags_agree_with_the_scene():
         categories = {catalogue().asset(actor.asset).category for actor in scene.actors}
         assert ("RoadUserAnimal" in tags) == ("animal" in categories)
         assert sum(tag in tags for tag in ("HorizontalCurves", "HorizontalStraights")) == 1
+
+
+@pytest.mark.parametrize(("rule", "direction"), [("RHT", "Right"), ("LHT", "Left")])
+def test_the_side_of_traffic_is_that_of_the_road(tmp_path, rule, direction):
+    data = file(road("1", 400.0, right=lane(-1), left=lane(1)))
+    path = tmp_path / "own.xodr"
+    path.write_bytes(data.replace(b"<road ", f'<road rule="{rule}" '.encode()))
+    scene = SCENES[0].model_copy(update={"map": str(path), "actors": ()})
+    tags = [tag for tag in scene_tags(scene, catalogue()) if tag.startswith("TravelDirection")]
+    assert tags == [f"TravelDirection{direction}"]
+
+
+def test_an_actor_that_keeps_its_lane_changes_none():
+    kept = doing(BUILT_IN["cut_in"].kind)
+    behaviour = kept.actors[0].behaviour.model_copy(update={"parameters": {"lanes": 0.0}})
+    actor = kept.actors[0].model_copy(update={"behaviour": behaviour})
+    tags = scene_tags(kept.model_copy(update={"actors": (actor,)}), catalogue())
+    assert not [tag for tag in tags if tag.startswith("MotionLaneChange")]
 
 
 def test_every_behaviour_that_moves_a_road_user_has_its_tags():

@@ -137,6 +137,8 @@ class Corridor(Brief):
     """s of the ego's start, m."""
     speed_limit: float
     """m/s"""
+    keeps_left: bool = False
+    """True if traffic keeps to the left where the ego starts."""
     in_junction: NDArray[np.bool_] = field(
         default_factory=lambda: np.zeros(0, dtype=np.bool_), repr=False
     )

@@ -42,6 +42,8 @@ _GAP_M = 0.1
 """Distance between two pieces of a plan view above which the road is broken, m."""
 _KINK_RAD = 0.05
 """Angle between two pieces of a plan view above which the road is broken, rad."""
+_UNITS_MPS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}
+"""Units of speed limits in m/s."""
 _SHORTEST_M = 1e-6
 """Length above which a piece of a road's line is read, m."""
 
@@ -213,10 +215,12 @@ def _check_range(
     """Record a fault for polynomials that leave the allowed range where they apply."""
     low, high = limits
     for index, piece in enumerate(pieces):
-        last = pieces[index + 1].start if index + 1 < len(pieces) else end
-        begin = min(piece.start, last)
+        following = pieces[index + 1].start if index + 1 < len(pieces) else end
+        span = min(following, end) - piece.start
+        if span < 0.0:
+            break  # It begins beyond the end, and so do the others.
         for part in (0.0, 0.25, 0.5, 0.75, 1.0):
-            value = piece.at(begin + part * (last - begin))
+            value = piece.at(piece.start + part * span)
             if not low <= value <= high:
                 message = f"becomes {value:.3g} m; {low:g} to {high:g} are allowed"
                 node.fault(message, f"{at}[{index}]")
@@ -224,14 +228,16 @@ def _check_range(
 
 
 def _speed(road: XmlNode) -> float | None:
-    factors = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}
     for kind in road.all("type", by="name"):
         speed = kind.first("speed")
         if speed is not None and speed.get("max", "no limit") not in ("no limit", "undefined"):
             value = speed.number("max", limit=500.0)
             if value < 0.0:
                 speed.fault(f"{value:g} is negative", "@max")
-            return max(value, 0.0) * factors.get(speed.get("unit", "m/s"), 1.0)
+            unit = speed.get("unit", "m/s")
+            if unit not in _UNITS_MPS:
+                speed.fault(f"{unit[:40]!r} is none of {', '.join(_UNITS_MPS)}", "@unit")
+            return max(value, 0.0) * _UNITS_MPS.get(unit, 1.0)
     return None
 
 

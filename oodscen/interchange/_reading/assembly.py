@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Actor, Hazard, Scene
-from oodscen.driving._roads.building import read_map
+from oodscen.driving._roads.building import load_corridor, read_map
 from oodscen.driving._roads.opendrive import read_network
 from oodscen.errors import Issue
 from oodscen.interchange._reading.actions import ActionReader
@@ -17,7 +17,6 @@ from oodscen.interchange._reading.ego_road import (
     EgoRoad,
     ego_road_on_map,
     ego_road_on_own,
-    keeps_left,
 )
 from oodscen.interchange._reading.hazards import decision_for, hazard_actors
 from oodscen.interchange._reading.identifiers import identifiers, scene_identifier
@@ -65,7 +64,7 @@ def assembled_scene(
         roads = MappedRoads(read_network(read_map(map_name), source=map_name))
     else:
         map_name = road
-        roads = StraightRoad(is_left_hand=keeps_left(road, catalogue))
+        roads = StraightRoad(is_left_hand=load_corridor(road, catalogue).keeps_left)
     is_mirrored = tree.header().get("description").startswith(_MIRRORED)
     positions = Positions(roads, is_mirrored=is_mirrored)
     read_starts(tree.root, positions)
@@ -81,7 +80,7 @@ def assembled_scene(
     if isinstance(roads, MappedRoads):
         ego_road = ego_road_on_own(ego_element, start, roads, map_name, catalogue)
     else:
-        ego_road = ego_road_on_map(ego_element, start, roads.is_left_hand, map_name, catalogue)
+        ego_road = ego_road_on_map(ego_element, start, map_name, catalogue)
     actors = _read_actors(entities, positions, actions, ego_road, catalogue)
     actors = _with_present_triggers(tree, actors)
     hazard_ids = hazard_actors(tree, actors, hazards, entities.ids, catalogue, llm)

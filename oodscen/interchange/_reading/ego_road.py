@@ -5,9 +5,8 @@ from typing import NamedTuple
 
 from oodscen.data._catalogue import Catalogue, RoadMap
 from oodscen.data._scene import Placement
-from oodscen.driving._roads.building import find_map, load_corridor, read_map
+from oodscen.driving._roads.building import find_map, load_corridor
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.driving._roads.opendrive import read_network
 from oodscen.interchange._reading.positions import EntityPlace, MappedRoads
 from oodscen.interchange._reading.tree import Element
 
@@ -55,14 +54,6 @@ class EgoRoad(NamedTuple):
         )
 
 
-def keeps_left(map_name: str, catalogue: Catalogue) -> bool:
-    """Return whether traffic keeps to the left on the road of a map."""
-    road_map = find_map(map_name, catalogue)
-    roads = read_network(read_map(road_map.file), source=road_map.file).roads
-    road = roads.get(road_map.road) or next(iter(roads.values()))
-    return road.left_hand
-
-
 def ego_road_on_own(
     ego: Element, start: EntityPlace, roads: MappedRoads, map_name: str, catalogue: Catalogue
 ) -> EgoRoad:
@@ -81,7 +72,7 @@ def ego_road_on_own(
 
 
 def ego_road_on_map(
-    ego: Element, start: EntityPlace, is_left_hand: bool, map_name: str, catalogue: Catalogue
+    ego: Element, start: EntityPlace, map_name: str, catalogue: Catalogue
 ) -> EgoRoad:
     """Return the road of a map that stands for the file's own, with the ego in the lane at the kerb.
 
@@ -90,7 +81,7 @@ def ego_road_on_map(
     """
     corridor = load_corridor(map_name, catalogue)
     _check_lanes(ego, corridor)
-    return EgoRoad(corridor, corridor.ego_lanes[-1 if is_left_hand else 0], start)
+    return EgoRoad(corridor, corridor.ego_lanes[-1 if corridor.keeps_left else 0], start)
 
 
 def _check_lanes(ego: Element, corridor: Corridor) -> None:

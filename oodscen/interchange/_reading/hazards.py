@@ -7,7 +7,6 @@ from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import MAX_TRIGGER, Actor, Trigger
 from oodscen.driving._motion.behaviours import USUAL
 from oodscen.errors import DataError, Issue
-from oodscen.interchange._reading.identifiers import identifier
 from oodscen.interchange._reading.positions import LANE_M
 from oodscen.interchange._reading.tree import OpenScenarioFile
 
@@ -38,7 +37,7 @@ def hazard_actors(
     Args:
         tree: The file.
         actors: The actors of the scene.
-        named: Names of entities; none to choose.
+        named: Names of entities, or ids of actors; none to choose.
         ids: Ids of actors by the names of their entities.
         catalogue: Describes assets and behaviours to the model.
         llm: The model.
@@ -47,11 +46,12 @@ def hazard_actors(
         DataError: If no actor can be the hazard, or there is no actor of a given name.
         LLMError: If the model cannot be reached, or its answer cannot be used.
     """
-    hazards = [ids.get(name) or identifier(name) for name in named]
+    known = {**dict(zip(ids.values(), ids.values(), strict=True)), **ids}
+    hazards = [known.get(name, name) for name in named]
     present = {actor.id for actor in actors}
     for hazard in hazards:
         if hazard not in present:
-            raise _no_hazard(tree, f"there is no entity {hazard!r} in the scene")
+            raise _no_hazard(tree, f"there is no entity {hazard!r} beside the ego in the scene")
     if not actors:
         raise _no_hazard(tree, "the file has no entity that can be the hazard")
     if hazards:

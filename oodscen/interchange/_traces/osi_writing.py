@@ -5,8 +5,6 @@ import struct
 from collections.abc import Iterator, Sequence
 from typing import Literal
 
-import numpy as np
-
 from oodscen._arguments import checked
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Scene
@@ -67,8 +65,8 @@ def osi_trace(
 def _messages(run: RecordedRun, bodies: Sequence[Entity]) -> Iterator[tuple[int, bytes]]:
     """Yield time in ns and ground truth of every step."""
     constant = [_constant_fields(row, body) for row, body in enumerate(bodies)]
-    velocities = np.gradient(run.poses[:, :, :3], run.dt, axis=0)
-    accelerations = np.gradient(velocities, run.dt, axis=0)
+    velocities = run.velocities
+    accelerations = run.rates(velocities)
     parts = enumerate(_VERSION, start=1)
     version = message_field(1, b"".join(number_field(number, part) for number, part in parts))
     host = message_field(3, number_field(1, 0))

@@ -203,7 +203,7 @@ class _Log:
         path = rerun.LineStrips2D([_plan(run.poses[:, 0])], labels=name)
         self.stream.log(f"plan/actions/{name}", path, static=True)
         speeds = run.speeds[:, 0]
-        columns = {"speed": speeds, "acceleration": np.gradient(speeds, run.dt)}
+        columns = {"speed": speeds, "acceleration": run.rates(speeds)}
         offsets = run.poses[:, 1:, :2] - run.poses[:, :1, :2]
         if offsets.shape[1]:
             columns["distance"] = np.hypot(offsets[:, :, 0], offsets[:, :, 1]).min(axis=1)

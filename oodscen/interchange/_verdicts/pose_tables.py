@@ -39,7 +39,7 @@ def csv_poses(text: str, source: str) -> Iterator[BodyPose]:
         where = f"line {table.line_num}"
         if any(cell.strip() for cell in row.get(_EXCESS) or ()):
             raise fault(where, f"more cells than the {len(columns)} columns", source)
-        cells = {**row, "z": row.get("z") or "0"}
+        cells = {"z": "0", **row}
         time, x, y, z, h = (
             _number(cells[name], where, name, source) for name in ("time", "x", "y", "z", "h")
         )

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from oodscen._display import Brief
-from oodscen._files import read_regular
+from oodscen._files import read_regular, read_utf8
 from oodscen.interchange._traces.osi_reading import BodyPose, Pose, read_osi_trace
 from oodscen.interchange._verdicts.pose_tables import NOUN, csv_poses, esmini_poses, fault
 from oodscen.numerics._exact import Floats
@@ -44,14 +44,11 @@ def read_poses(path: str | Path) -> PlayedPoses:
     Raises:
         DataError: If the file is none of these, with the line of the first fault.
     """
-    data = read_regular(path, NOUN, limit=MAX_BYTES)
     source = str(path)
     if source.lower().endswith((".osi", ".mcap")):
+        data = read_regular(path, NOUN, limit=MAX_BYTES)
         return _collected(read_osi_trace(data, source), source)
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise fault("", f"byte {error.start} is not UTF-8", source) from None
+    text = read_utf8(path, NOUN, limit=MAX_BYTES)
     lines = text.splitlines()
     if lines and lines[0].startswith("esmini "):
         return _collected(esmini_poses(lines, source), source)

@@ -10,7 +10,7 @@ from oodscen._registry import make_catalogue
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Actor, Scene
 from oodscen.driving._motion.behaviours import BUILT_IN
-from oodscen.driving._roads.corridor import Corridor
+from oodscen.driving._roads.corridor import Corridor, ego_strip, neighbour_strip
 from oodscen.errors import Issue, SceneError
 from oodscen.interchange._recording import Reactions
 from oodscen.interchange._writing.elements import Element, Value, child, within
@@ -86,7 +86,7 @@ def write_for_scenario_runner(
             write_speed(child(private, "PrivateAction"), float(speed))
     for actor in scene.actors:
         if _ACTIONS[actor.behaviour.name] != "none":
-            _write_actor(act, actor, run, corridor)
+            _write_actor(act, actor, scene, run, corridor)
     if not len(act):
         maneuver_group(act, "ego")  # An Act must have a group.
     at_time(act, "StartTrigger", "act_start", 0.0, "greaterThan")
@@ -128,13 +128,17 @@ def _blueprint(asset: Asset, catalogue: Catalogue) -> str:
     return nearest.id
 
 
-def _write_actor(act: Element, actor: Actor, run: Reactions, corridor: Corridor) -> None:
+def _write_actor(
+    act: Element, actor: Actor, scene: Scene, run: Reactions, corridor: Corridor
+) -> None:
     """Append the group of one actor: its action at its trigger, and a stop after the distance that it walks."""
     behaviour, action_name = actor.behaviour, _ACTIONS[actor.behaviour.name]
     maneuver = child(maneuver_group(act, actor.id), "Maneuver", name=f"maneuver_{actor.id}")
     reaction, action = _event(maneuver, f"react_{actor.id}_0")
     if action_name == "lane_change":
-        _write_lane_change(action, actor, _initial_speed(run, actor.id))
+        lane = neighbour_strip(corridor, ego_strip(corridor, scene.ego.lane), actor.placement.lane)
+        direction = corridor.strips[lane].direction
+        _write_lane_change(action, actor, _initial_speed(run, actor.id), direction)
     else:
         target = 0.0 if action_name == "stop" else behaviour.parameters.get("speed", _WALK_MPS)
         write_speed(child(action, "PrivateAction"), target)
@@ -157,8 +161,12 @@ def _initial_speed(run: Reactions, name: str) -> float:
     return float(run.nominal.speeds[0, run.nominal.ids.index(name)])
 
 
-def _write_lane_change(action: Element, actor: Actor, speed: float) -> None:
-    """Append a change of lanes over the distance that the actor drives at its speed in that time."""
+def _write_lane_change(action: Element, actor: Actor, speed: float, direction: int) -> None:
+    """Append a change of lanes over the distance that the actor drives at its speed in that time.
+
+    A scene counts lanes to the left of the ego, a file to the left in the direction of the actor's lane: +1 if that is
+    the ego's, -1 if it is oncoming.
+    """
     parameters = actor.behaviour.parameters
     distance_m = max(_SHORTEST_CHANGE_M, speed * parameters.get("duration", _CHANGE_S))
     change = within(action, "PrivateAction", "LateralAction", "LaneChangeAction")
@@ -170,7 +178,7 @@ def _write_lane_change(action: Element, actor: Actor, speed: float) -> None:
         value=distance_m,
     )
     target = child(change, "LaneChangeTarget")
-    lanes = round(parameters.get("lanes", _LANES))
+    lanes = direction * round(parameters.get("lanes", _LANES))
     child(target, "RelativeTargetLane", entityRef=actor.id, value=lanes)
 
 

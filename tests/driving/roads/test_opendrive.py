@@ -10,8 +10,9 @@ from lxml import etree
 
 from oodscen.driving._roads.building import build_corridor
 from oodscen.driving._roads.document import MAX_BYTES
-from oodscen.driving._roads.geometry import Arc, Line, ParamPoly3, Poly3, Spiral
+from oodscen.driving._roads.geometry import Arc, Line, ParamPoly3, Poly3, Spiral, piecewise
 from oodscen.errors import DataError
+from tests.driving import networks
 from tests.driving.networks import read_road
 
 RURAL = files("oodscen.driving").joinpath("maps/rural_curve.xodr").read_bytes()
@@ -72,6 +73,7 @@ def test_reads_what_the_file_says() -> None:
         ),
         (r'a="3.4"', 'a="inf"', "road[1]/lanes/laneSection[0]/left/lane[2]/width[0]@a"),
         (r'speed max="', 'speed max="-', "road[1]/type/speed@max"),
+        (r'unit="km/h"', 'unit="kmh"', "road[1]/type/speed@unit"),
         (r"<road ", "<lane ", ""),
     ],
 )  # fmt: skip
@@ -225,3 +227,16 @@ def test_polynomial_roads_are_read(shape: str, c: float) -> None:
     corridor = build_corridor(road)
     assert math.isclose(corridor.y[-1], 1e4 * c, rel_tol=0.05, abs_tol=1e-3)
     assert math.isclose(corridor.edges(0, 50.0)[0], -3.5, abs_tol=1e-6)
+
+
+def test_a_polynomial_is_judged_only_where_the_road_is() -> None:
+    height = '<elevation s="{}" a="0" b="0" c="0" d="{}"/>'
+    beyond = "".join(height.format(*piece) for piece in ((0, 0), (50, 0.01), (500, 0), (600, 9)))
+    more = f"<elevationProfile>{beyond}</elevationProfile>"
+
+    def of_length(length_m: float) -> bytes:
+        right = networks.lane(-1)
+        return networks.file(networks.road("1", length_m, right=right, more=more))
+
+    assert piecewise(read_road(of_length(100.0)).elevation, 100.0) == 0.01 * 50.0**3
+    assert "road[1]/elevationProfile[1]" in issues(of_length(400.0))

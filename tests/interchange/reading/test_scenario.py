@@ -395,6 +395,17 @@ def test_the_ego_is_the_entity_of_that_name(names, tmp_path):
     )
 
 
+def test_the_hazard_is_named_by_its_name_or_its_id_and_is_not_the_ego(tmp_path):
+    places = {"Car": 200, "car": 250, "CAR": 280}
+    starts = [start(name, lane(s), 5) for name, s in places.items()]
+    text = file([entity(name) for name in places], starts)
+    for name, actor in (("car", "car"), ("CAR", "car-2"), ("car-2", "car-2")):
+        found = read(tmp_path, text, ego="Car", hazards=[name])
+        assert list(found.scene.hazard.actors) == [actor]
+    with pytest.raises(DataError, match="no entity 'Car' beside the ego"):
+        read(tmp_path, text, ego="Car", hazards=["Car"])
+
+
 @pytest.mark.parametrize("name", ["ego", "VUT", "a.b c"])
 def test_the_ego_is_the_entity_that_is_named(name, tmp_path):
     names = ("ego", "VUT", "a.b c")

@@ -8,15 +8,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from oodscen.data import Trigger
 from oodscen.errors import DataError
 from oodscen.interchange._traces.osi_reading import read_osi_trace
 from oodscen.interchange._traces.osi_writing import osi_trace
 from oodscen.interchange._traces.wire import (
+    double,
+    fields_of,
+    inner_fields,
     message_field,
     number_field,
     text_field,
     vector_field,
 )
+from tests.driving.networks import file, lane, road
 from tests.interchange.staging import SCENES, catalogue
 
 MOVING, STATIONARY = 5, 4
@@ -98,3 +103,17 @@ def test_a_changed_trace_is_read_or_refused_in_plain_words(data):
 def test_a_file_of_zeros_is_refused_at_its_first_byte():
     with pytest.raises(DataError, match="byte 0: the message is empty"):
         list(read_osi_trace(bytes(1_000), "run.osi"))
+
+
+def test_a_run_that_ends_at_its_start_has_one_moment(tmp_path):
+    path = tmp_path / "narrow.xodr"
+    path.write_bytes(file(road("1", 400.0, right=lane(-1, width=1.6))))  # The ego is wider.
+    alone = {"map": str(path), "actors": (), "decision": Trigger(value=1.0)}
+    scene = SCENES[0].model_copy(update=alone)
+    data = osi_trace(scene, catalogue())
+    (pose,) = read_osi_trace(data, "run.osi")
+    assert pose.name == "ego"
+    base = inner_fields(inner_fields(fields_of(data[4:]), MOVING), 2)
+    velocity, acceleration = inner_fields(base, 4), inner_fields(base, 5)
+    assert double(velocity, 1) == pytest.approx(scene.ego.speed)
+    assert [double(acceleration, axis) for axis in (1, 2, 3)] == [0.0, 0.0, 0.0]

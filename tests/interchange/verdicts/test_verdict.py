@@ -179,6 +179,7 @@ def test_poses_come_back_from_osi(tmp_path):
         "time,name,x,y,h\n0,ego,1,2,3\n1,ego,1,2",
         "time,name,x,y,h\n0,ego,1,2,3\n1,ego,1,2,3\n1,ego,1,5,3",
         "time,name,x,y,h\n0,ego,1,2,3\n1,ego,1,2,3,4",
+        "time,name,x,y,h,z\n0,ego,1,2,3,4\n1,ego,1,2,3",
         "time,name,x,y,h,x\n0,ego,1,2,3,1\n1,ego,1,2,3,1",
         "time,name,x,y,h\n0,ego,1,2,3\n1,ego,1,1_0,3",
         "time,name,x,y,h\n0,ego,1,2,3\n١,ego,1,1,3",

@@ -2,11 +2,14 @@ import numpy as np
 import pytest
 from lxml import etree
 
+from oodscen.data import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
 from oodscen.data._motion import Motion
 from oodscen.driving._motion.actions import is_available
 from oodscen.driving._motion.behaviours import BEHAVIOURS, BUILT_IN
 from oodscen.errors import SceneError, UnknownComponent, UsageError
+from oodscen.interchange._reading.scenario import read_openscenario
 from oodscen.interchange._recording import UnrenderedSimulator, reactions, replayed
+from oodscen.interchange._tags import scene_tags
 from oodscen.interchange._traces.osi_writing import osi_trace
 from oodscen.interchange._writing.scenario import to_openscenario
 from oodscen.interchange._writing.scenario_runner import unplayable
@@ -141,6 +144,37 @@ def test_scenario_runner_gets_its_own_actions_or_a_reason_for_each_actor(scene):
     assert set(names(root, "Event", "priority")) <= {"overwrite"}
     assert set(names(root, "SimulationTimeCondition", "rule")) == {"greaterThan"}
     assert all(BUILT_IN[actor.behaviour.name].plain_action for actor in scene.actors)
+
+
+@pytest.mark.parametrize(("lane", "lanes"), [(0, 1.0), (2, -1.0), (3, -1.0), (2, 1.0)])
+def test_a_change_of_lanes_in_a_file_is_as_the_actor_sees_it(tmp_path, lane, lanes):
+    actor = Actor(
+        id="car",
+        asset="car",
+        placement=Placement(ahead_m=80.0, lane=lane),
+        behaviour=Behaviour(name="cut_in", parameters={"speed": 8.0, "lanes": lanes}),
+    )
+    scene = Scene(
+        id="car",
+        scenario_id="car",
+        map="urban_avenue",
+        ego=Ego(speed=10.0),
+        actors=(actor,),
+        hazard=Hazard(actors={"car": None}),
+        decision=Trigger(kind="time", value=1.0),
+    )
+    options = {"mode": "reactive", "target": "carla-scenario-runner"}
+    file = to_openscenario(scene, catalogue(), **options)
+    (own,) = etree.fromstring(file.xosc).iter("RelativeTargetLane")
+    side = 1.0 if lane < 2 else -1.0  # Lanes 2 and 3 are oncoming.
+    assert float(own.get("value")) == side * lanes
+    assert scene_tags(scene, catalogue()).keys() & {
+        "MotionLaneChangeLeft",
+        "MotionLaneChangeRight",
+    } == {"MotionLaneChangeLeft" if side * lanes > 0.0 else "MotionLaneChangeRight"}
+    again = read_openscenario(file.save(tmp_path), catalogue()).scene.actors[0]
+    assert again.behaviour.parameters["lanes"] == lanes
+    assert again.placement.lane == lane
 
 
 def test_scenario_runner_plays_no_recorded_courses():
