@@ -12,6 +12,7 @@ import json
 from collections.abc import Iterable, Iterator
 from itertools import islice
 from pathlib import Path
+from shutil import copyfileobj
 from tempfile import TemporaryDirectory
 from typing import Any
 
@@ -19,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._display import Brief
-from oodscen._files import read_utf8, refuse_special, replace, writing
+from oodscen._files import read_utf8, refuse_special, writing
 from oodscen._json import parse_object
 from oodscen.baselines._texts import fault_of, refuse
 from oodscen.encoders._check import dimension, encode
@@ -28,7 +29,7 @@ from oodscen.protocols import Encoder
 
 _BATCH = 4096
 
-EMBEDDED = (".npy", ".arrow", ".feather")
+SUFFIXES = (".npy", ".arrow", ".feather")
 """Extensions of the files that hold embeddings."""
 
 
@@ -50,11 +51,14 @@ class EmbeddedBaseline(Brief):
         return len(self._rows)
 
     def __getitem__(self, rows: slice) -> NDArray[np.float32]:
-        """Return a slice of the rows, of unit length or zero, as a new array.
+        """Return successive rows, of unit length or zero, as a new array.
 
         Raises:
+            UsageError: If the slice has a step.
             DataError: If a value is not finite.
         """
+        if rows.step not in (None, 1):
+            raise UsageError("rows of embeddings are read without a step")
         block = np.array(self._rows[rows], np.float32)
         squared = np.einsum("ij,ij->i", block, block, dtype=np.float64)
         if not np.isfinite(squared).all():
@@ -79,28 +83,38 @@ def write_embeddings(path: str | Path, encoder: Encoder, texts: Iterable[str]) -
     The file is replaced only after all texts are written; texts are read once and not kept.
 
     Raises:
+        UsageError: If the file is not to be a `.npy` file.
         DataError: If there is no text, or with one issue per value that is not a usable text.
-        OodscenError: If the file cannot be written.
+        EncoderError: If the encoder fails or breaks its contract.
+        OodscenError: If a file cannot be written.
     """
     file = Path(path)
+    record = _record(file)
     if file.suffix != ".npy":
         raise UsageError(f"embeddings are written as .npy, not as {file.name}")
+    with writing(file):
+        folder = TemporaryDirectory(dir=file.parent, prefix=".oodscen-", ignore_cleanup_errors=True)
     count = 0
-    with writing(file), TemporaryDirectory(dir=file.parent, prefix=".oodscen-") as folder:
-        headless, whole = Path(folder, "rows"), Path(folder, "whole")
-        with headless.open("wb") as stream:
-            for batch in _batches(texts):
-                encode(encoder, batch).tofile(stream)
-                count += len(batch)
-        length = dimension(encoder)
-        header = {"descr": "<f4", "fortran_order": False, "shape": (count, length)}
-        with whole.open("wb") as stream, headless.open("rb") as rows:
+    with folder as name:
+        headless, whole, about = Path(name, "rows"), Path(name, "whole"), Path(name, "record")
+        for batch in _batches(texts):
+            vectors = encode(encoder, batch)
+            with writing(file), headless.open("ab") as stream:
+                vectors.tofile(stream)
+            count += len(batch)
+        shape = (count, dimension(encoder))
+        with writing(file), whole.open("wb") as stream, headless.open("rb") as rows:
+            header = {"descr": "<f4", "fortran_order": False, "shape": shape}
             np.lib.format.write_array_header_1_0(stream, header)
-            while block := rows.read(1 << 24):
-                stream.write(block)
-        whole.replace(file)
-    about = {"encoder": encoder.name, "n": count, "dimension": length}
-    replace(_about(file), f"{json.dumps(about)}\n".encode())
+            copyfileobj(rows, stream, 1 << 24)
+        with writing(record):
+            facts = {"encoder": encoder.name, "n": count, "dimension": shape[1]}
+            about.write_text(f"{json.dumps(facts)}\n", encoding="utf-8")
+            record.unlink(missing_ok=True)  # It must never describe the other array.
+        with writing(file):
+            whole.replace(file)
+        with writing(record):
+            about.replace(record)
     return count
 
 
@@ -144,22 +158,34 @@ def open_embeddings(path: str | Path, encoder: Encoder) -> EmbeddedBaseline:
     return EmbeddedBaseline(file, rows, maker, length)
 
 
-def _about(file: Path) -> Path:
+def _record(file: Path) -> Path:
+    """Return the file beside an array that names its encoder."""
     return file.with_name(file.name + ".json")
 
 
 def _npy(file: Path) -> tuple[Any, str]:
     try:
-        rows = np.load(file, mmap_mode="r", allow_pickle=False)
-        about = parse_object(read_utf8(_about(file), "embeddings", limit=1 << 20))
-        maker = str(about["encoder"])
-    except (OSError, ValueError, KeyError, TypeError, EOFError, RecursionError) as error:
-        fault = f"cannot be read ({error}); write it again with `Metrics.write_embeddings`"
-        raise DataError("embeddings", [Issue("", fault)], source=str(file)) from None
+        rows = np.lib.format.open_memmap(file, mode="r")
+    except Exception as error:  # A damaged header makes numpy raise errors of many types.
+        raise _refused(file, f"is no array: {error}") from None
     if rows.ndim != 2 or rows.dtype != np.float32:
-        fault = f"is {rows.dtype} of shape {rows.shape}, not float32 [N, d]"
-        raise DataError("embeddings", [Issue("", fault)], source=str(file))
-    return rows, maker
+        raise _refused(file, f"is {rows.dtype} of shape {rows.shape}, not float32 [N, d]")
+    record = _record(file)
+    text = read_utf8(record, "record of embeddings", limit=1 << 20)
+    try:
+        facts = parse_object(text)
+        maker = facts["encoder"]
+    except (ValueError, KeyError, RecursionError) as error:
+        raise _refused(record, f"names no encoder: {error}") from None
+    shape = (facts.get("n", rows.shape[0]), facts.get("dimension", rows.shape[1]))
+    if shape != rows.shape:
+        raise _refused(file, f"has the shape {rows.shape}, but {shape} in {record.name}")
+    return rows, str(maker)
+
+
+def _refused(file: Path, fault: str) -> DataError:
+    fault = f"{fault}; write it again with `Metrics.write_embeddings`"
+    return DataError("embeddings", [Issue("", fault)], source=str(file))
 
 
 class _ArrowRows:
@@ -191,7 +217,7 @@ def _arrow(file: Path) -> tuple[Any, str]:
         kind = table.schema.field("vector").type
         maker = (table.schema.metadata or {})[b"encoder"].decode()
         width, value = int(kind.list_size), str(kind.value_type)
-    except (OSError, KeyError, AttributeError, ValueError, pa.ArrowInvalid) as error:
+    except (OSError, KeyError, AttributeError, ValueError, pa.ArrowException) as error:
         fault = f"is not an Arrow file with a column `vector` and an encoder's name: {error}"
         raise DataError("embeddings", [Issue("", fault)], source=str(file)) from None
     fault = ""

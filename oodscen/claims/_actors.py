@@ -136,7 +136,9 @@ def _judge_motion(value: str, actor: ObservedActor, *, moves: bool) -> Verdict:
             return fastest > _MOVING_MPS, found
         case "slow":
             limit = max(_SLOW_SHARE * actor.ego_speed_mps, _SLOW_MPS)
-            is_slow = float(speed[actor.before].max()) < limit and fastest > _MOVING_MPS
+            at_first = float(speed[actor.before].max())
+            moving = at_first if at_first > _MOVING_MPS else fastest
+            is_slow = _MOVING_MPS < moving < limit
             return is_slow, f"{found}; slow is less than {limit:.1f} m/s until the decision"
         case "oncoming":
             return bool(along.min() < -_MOVING_MPS), _along_road(float(along.min()))
@@ -145,7 +147,8 @@ def _judge_motion(value: str, actor: ObservedActor, *, moves: bool) -> Verdict:
         case "reversing":
             walks_backwards = "backwards" in actor.asset.tags
             forward = -actor.forward_mps if walks_backwards else actor.forward_mps
-            return bool(forward.min() < -_REVERSING_MPS), "it does not move backwards"
+            slowest = float(forward.min())
+            return slowest < -_REVERSING_MPS, f"it moves ahead at {slowest:+.1f} m/s at least"
         case "braking":
             peak = np.maximum.accumulate(speed)
             loss = np.maximum(_BRAKING_SHARE * peak, _BRAKING_MPS)
@@ -162,7 +165,10 @@ def _along_road(speed_mps: float) -> str:
 def _judge_sideways_motion(value: str, actor: ObservedActor) -> Verdict:
     aside, share = actor.aside_m, actor.lane_share
     width = float(aside.max() - aside.min())
-    found = f"it moves {width:.1f} m to the side, from {aside[0]:+.1f} to {aside[-1]:+.1f} m"
+    found = (
+        f"it is {aside[0]:+.1f} m aside (left positive) at first, {aside.min():+.1f} to {aside.max():+.1f} m "
+        f"in all, {aside[-1]:+.1f} m at last"
+    )
     match value:
         case "crossing":
             holds = width > _ACROSS_M
@@ -187,10 +193,12 @@ def _judge_state(value: str, actor: ObservedActor, claimed_states: set[str]) -> 
     state = actor.state or states[0]
     found = f"its state is {state!r}"
     if value == "off" and asset.category == "vehicle":
-        stands = float(actor.speed_mps.max()) < STILL_MPS
-        return actor.state == "unlit" or (actor.state in ("", "off") and stands), found
+        is_parked = state == "off" and float(actor.speed_mps.max()) < STILL_MPS
+        if state == "off" and not is_parked:
+            found = f"it moves, and only in the state 'unlit' without lights; {found}"
+        return is_parked or state == "unlit", found
     if value in _COLOURS and len(claimed_states & _COLOURS) > 1 and "all_on" in states:
-        return actor.state == "all_on", f"{found}; several colours at once are 'all_on'"
+        return state == "all_on", f"{found}; several colours at once are 'all_on'"
     if value not in states:
         return None, f"{asset.id} cannot show {value!r}"
     return state == value, found

@@ -1,20 +1,15 @@
 """Casting: the actors, or parts of the map, that show the things of a text, so that the fewest claims fail."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from itertools import permutations
-from math import perm
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from oodscen.claims._actors import judge_actor
+from oodscen.claims._assignment import cheapest_assignment
 from oodscen.claims._findings import ClaimFinding, failures, finding
 from oodscen.claims._observation import ObservedActor
 from oodscen.claims._things import Thing
 from oodscen.data._claim import Claim
 
-_MOST_ASSIGNMENTS = 2_000
-"""Largest number of assignments of things to actors to try."""
-_MOST_CANDIDATES = 12
-"""Number of actors to choose from if all would make too many assignments."""
 _UNFITTING = 1000
 """Number of failed claims that a thing without a fitting actor counts as."""
 _OUT_OF_ORDER = frozenset({"off", "all_on", "flashing"})
@@ -70,18 +65,18 @@ def cast(subjects: Sequence[Subject]) -> dict[str, Casting]:
         for actor in subject.candidates
     }
 
-    def failures_of(assignment: Sequence[ObservedActor | None]) -> int:
-        """Return the number of claims that fail; a thing without a fitting actor counts as many."""
-        total = 0
-        for subject, actor in zip(singles, assignment, strict=True):
-            judged = None if actor is None else findings.get((subject.name, actor.id))
-            total += _UNFITTING if judged is None else failures(judged.values())
-        return total
+    indexed = {actor.index: actor for subject in subjects for actor in subject.candidates}
+    pool = [indexed[index] for index in sorted(indexed)]
+    choices = [*pool, *[None] * (len(singles) - len(pool))]
 
-    candidates = {actor.index: actor for subject in subjects for actor in subject.candidates}
-    pool = [candidates[index] for index in sorted(candidates)]
-    best = min(_assignments(pool, len(singles)), key=failures_of)
-    for subject, actor in zip(singles, best, strict=True):
+    def cost(subject: Subject, actor: ObservedActor | None) -> int:
+        """Return the number of claims that fail; a thing without a fitting actor counts as many."""
+        judged = None if actor is None else findings.get((subject.name, actor.id))
+        return _UNFITTING if judged is None else failures(judged.values())
+
+    best = cheapest_assignment([[cost(one, actor) for actor in choices] for one in singles])
+    for subject, column in zip(singles, best, strict=True):
+        actor = choices[column]
         judged = None if actor is None else findings.get((subject.name, actor.id))
         without = _judge_without_actor(subject, has_others=bool(pool))
         if actor is None or judged is None or _is_rather_the_maps(subject, without, judged):
@@ -89,18 +84,6 @@ def cast(subjects: Sequence[Subject]) -> dict[str, Casting]:
         else:
             castings[subject.name] = Casting(judged, [actor.id])
     return castings
-
-
-def _assignments(
-    pool: Sequence[ObservedActor], count: int
-) -> Iterable[Sequence[ObservedActor | None]]:
-    """Return the assignments of actors to things to try: all, or those of the first actors, or just one."""
-    choices = [*pool, *[None] * (count - len(pool))]
-    if perm(len(choices), count) > _MOST_ASSIGNMENTS:
-        choices = choices[: max(count, _MOST_CANDIDATES)]
-    if perm(len(choices), count) > _MOST_ASSIGNMENTS:
-        return [choices[:count]]
-    return permutations(choices, count)
 
 
 def _is_rather_the_maps(
@@ -136,10 +119,13 @@ def _judge_several(subject: Subject) -> Casting:
             findings[claim] = finding(claim, are_enough, found, "actors")
         else:
             options = [judged[claim] for judged in by_actor]
-            findings[claim] = next(
-                (option for option in options if option.status != "fails"), options[0]
-            )
+            findings[claim] = min(options, key=_shortfall)
     return Casting(findings, ids)
+
+
+def _shortfall(found: ClaimFinding) -> int:
+    """Return how far a finding is from showing that a claim holds: 0 if it does, 2 if the claim fails."""
+    return ("holds", "open", "fails").index(found.status)
 
 
 def _judge_without_actor(subject: Subject, *, has_others: bool) -> dict[Claim, ClaimFinding]:

@@ -18,7 +18,7 @@ from oodscen._seeding import stream
 from oodscen.baselines._baseline import Baseline
 from oodscen.baselines._duplicates import NearDuplicates, near_duplicates
 from oodscen.baselines._embedded import (
-    EMBEDDED,
+    SUFFIXES,
     EmbeddedBaseline,
     open_embeddings,
     write_embeddings,
@@ -394,8 +394,10 @@ class Metrics(Brief):
             The number of texts.
 
         Raises:
+            UsageError: If the file is not to be a `.npy` file.
             DataError: If there is no text, or a value is not a usable text.
-            OodscenError: If the file cannot be written.
+            EncoderError: If the encoder fails.
+            OodscenError: If a file cannot be written.
         """
         return write_embeddings(path, self.encoder, texts)
 
@@ -489,6 +491,6 @@ def _as_baseline(
     if isinstance(baseline, Baseline | EmbeddedBaseline):
         return baseline
     if isinstance(baseline, str | Path):
-        is_embedded = Path(baseline).suffix in EMBEDDED
+        is_embedded = Path(baseline).suffix in SUFFIXES
         return open_embeddings(baseline, encoder) if is_embedded else load_baseline(baseline)
     return Baseline(texts=check_texts(baseline, Baseline.noun))

@@ -33,6 +33,8 @@ class Driven:
     """The path of the scenario tree that the scene realises."""
     pictures: tuple[Path, ...] = ()
     """The frame and the plan view of the shown moment, if they were saved."""
+    picture_fault: str = ""
+    """The reason why they were not; empty if nothing went wrong."""
 
     @cached_property
     def shown(self) -> State:
@@ -99,6 +101,7 @@ class Driven:
             ("safe here", ", ".join(safe_actions)),
             *(("before" if not row else "", line) for row, line in enumerate(self._last_moments())),
             *zip(("frame", "plan view"), map(str, self.pictures), strict=False),
+            ("pictures", self.picture_fault),
         ]
         return "\n".join(printable(f"{name:11}{value}") for name, value in rows if value)
 

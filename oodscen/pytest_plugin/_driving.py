@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from oodscen._arguments import instance_of
 from oodscen._display import png
-from oodscen._files import replace
+from oodscen._files import replace, writing
 from oodscen._members import is_interruption
 from oodscen._registry import driver_maker
 from oodscen.data._drive_result import DriveResult
@@ -187,19 +187,23 @@ class Drive:
         return {"frame": frame.rgb, "plan": plan_view}
 
     def _save(self, index: int, pictures: _Pictures) -> None:
-        """Save the pictures of a drive that has none yet."""
+        """Save the pictures of a drive that has none yet; what cannot be saved changes no outcome."""
         driven, folder = self.drives[index], self._scenes.pictures
         if folder is None or driven.pictures:
             return
         stem = picture_stem(driven.scene.id, self._test, driven.result.driver, index)
-        saved = []
-        for kind, pixels in pictures.items():
-            if (data := png(pixels)) is not None:
+        saved, fault = [], ""
+        try:
+            with writing(folder):
                 folder.mkdir(parents=True, exist_ok=True)
-                path = folder / f"{stem}.{kind}.png"
-                replace(path, data)
-                saved.append(path)
-        self.drives[index] = dataclasses.replace(driven, pictures=tuple(saved))
+                for kind, pixels in pictures.items():
+                    if (data := png(pixels)) is not None:
+                        path = folder / f"{stem}.{kind}.png"
+                        replace(path, data)
+                        saved.append(path)
+        except OodscenError as error:
+            fault = str(error)
+        self.drives[index] = dataclasses.replace(driven, pictures=tuple(saved), picture_fault=fault)
 
 
 def picture_stem(scene: str, test: str, driver: str, index: int) -> str:

@@ -4,8 +4,10 @@ Only a session that names a study loads the rest, and only tests that use a scen
 """
 
 import os
+import shlex
 from itertools import pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -14,37 +16,47 @@ SESSION = "oodscen-session"
 
 MODES = ("compare", "write", "update")
 
-_PATH_OPTIONS = ("--oodscen", "--oodscen-pictures", "--oodscen-baseline")
+
+class _Option(NamedTuple):
+    """An option that may be a setting, too."""
+
+    metavar: str
+    help: str
+    is_path: bool = False
+
 
 _OPTIONS = {
-    "simulator": ("NAME", "simulator to drive in (default: the study's)"),
-    "pictures": (
+    "oodscen": _Option("OUT", "study whose scenes are driven", is_path=True),
+    "oodscen_simulator": _Option("NAME", "simulator to drive in (default: the study's)"),
+    "oodscen_pictures": _Option(
         "DIR",
         "folder for a frame and the plan view of failed drives (default: oodscen beside the JUnit file)",
+        is_path=True,
     ),
-    "require": ("BARS", 'grade the driving stacks, e.g. "safe>=0.9,needless<=0.05"'),
-    "baseline": ("FILE", "file of the outcomes that are known: only regressions fail"),
+    "oodscen_require": _Option("BARS", 'grade the driving stacks, e.g. "safe>=0.9,needless<=0.05"'),
+    "oodscen_baseline": _Option(
+        "FILE", "file of the outcomes that are known: only regressions fail", is_path=True
+    ),
+    "oodscen_per_path": _Option("N", "drive the first N scenes of every path"),
 }
+"""The options by the names of their settings."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add the options, each with a setting of the same name in the configuration file."""
+    """Add the options, each but the mode with a setting of the same name in the configuration file."""
     group = parser.getgroup("oodscen", "driving stacks in out-of-distribution scenes (oodscen)")
-    group.addoption("--oodscen", metavar="OUT", help="study whose scenes are driven")
-    parser.addini("oodscen", "study whose scenes are driven")
-    for name, (metavar, description) in _OPTIONS.items():
-        group.addoption(f"--oodscen-{name}", metavar=metavar, help=description)
-        parser.addini(f"oodscen_{name}", description)
-    group.addoption(
-        "--oodscen-per-path", metavar="N", type=int, help="drive the first N scenes of every path"
-    )
-    parser.addini("oodscen_per_path", "drive the first N scenes of every path")
+    for name, option in _OPTIONS.items():
+        group.addoption(_flag(name), metavar=option.metavar, help=option.help)
+        parser.addini(name, option.help)
     group.addoption(
         "--oodscen-baseline-mode",
         choices=MODES,
-        default="compare",
         help="compare outcomes with the baseline (default), write a new one, or update the tests that ran",
     )
+
+
+def _flag(name: str) -> str:
+    return f"--{name.replace('_', '-')}"
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -53,15 +65,17 @@ def pytest_configure(config: pytest.Config) -> None:
     Raises:
         pytest.UsageError: If the folder holds no study, or an option needs one.
     """
-    for name in ("oodscen", *(f"oodscen_{option}" for option in _OPTIONS)):
-        if (value := config.getoption(name)) is not None and not value.strip():
-            raise pytest.UsageError(f"--{name.replace('_', '-')} is empty")
+    given = [
+        name for name in (*_OPTIONS, "oodscen_baseline_mode") if config.getoption(name) is not None
+    ]
+    for name in given:
+        if not config.getoption(name).strip():
+            raise pytest.UsageError(f"{_flag(name)} is empty")
     folder = path_setting(config, "oodscen")
     _refuse_far_paths(config)
     if folder is None:
-        for option in _OPTIONS:
-            if config.getoption(f"oodscen_{option}") is not None:
-                raise pytest.UsageError(f"--oodscen-{option} needs a study: --oodscen OUT")
+        if given:
+            raise pytest.UsageError(f"{_flag(given[0])} needs a study: --oodscen OUT")
         return
     pictures = path_setting(config, "oodscen_pictures")
     if pictures is not None and any(path.is_file() for path in (pictures, *pictures.parents)):
@@ -82,29 +96,36 @@ def _refuse_far_paths(config: pytest.Config) -> None:
     """Refuse `--oodscen OUT` for a folder elsewhere, where pytest would look for its configuration.
 
     Pytest reads its configuration before it knows the options of plugins, and takes a word that is a path for a
-    folder of tests. `--oodscen=OUT` is one word.
+    place of tests. `--oodscen=OUT` is one word.
 
     Raises:
         pytest.UsageError: With the words to write instead.
     """
-    folder, words = config.invocation_params.dir, config.invocation_params.args
-    for option, value in pairwise(words):
-        if option in _PATH_OPTIONS and folder not in Path(os.path.abspath(folder / value)).parents:
+    folder = config.invocation_params.dir
+    words = [
+        *shlex.split(os.environ.get("PYTEST_ADDOPTS", "")),
+        *map(str, config.invocation_params.args),
+    ]
+    flags = {_flag(name) for name, option in _OPTIONS.items() if option.is_path}
+    for flag, value in pairwise(words):
+        if flag in flags and not Path(os.path.abspath(folder / value)).is_relative_to(folder):
             raise pytest.UsageError(
-                f"write {option}={value}: of {option} {value}, pytest takes the folder for one of tests"
+                f"write {flag}={value}: pytest would take the separate word {value} for a place of tests"
             )
 
 
 def setting(config: pytest.Config, name: str) -> str | None:
     """Return an option, else the setting of the same name in the configuration file."""
-    value = config.getoption(name)
-    return str(value) if value is not None else config.getini(name) or None
+    option: str | None = config.getoption(name)
+    return config.getini(name) or None if option is None else option
 
 
 def path_setting(config: pytest.Config, name: str) -> Path | None:
-    """Return a path: an option's starts in the working folder, a setting's at the configuration file."""
-    option = config.getoption(name)
-    if option is not None:
-        return Path(config.invocation_params.dir, option)
-    path = config.getini(name)
-    return Path(config.rootpath, path) if path else None
+    """Return a path: an option's starts in the working folder, a setting's in that of the configuration file."""
+    path = setting(config, name)
+    if path is None:
+        return None
+    folder, file = config.invocation_params.dir, config.inipath
+    if config.getoption(name) is None and file is not None:
+        folder = file.parent
+    return Path(folder, path)

@@ -99,4 +99,4 @@ class Scenes:
 
 
 def _slug(label: str) -> str:
-    return re.sub(r"[^a-z0-9]+", "_", label.lower()).strip("_")
+    return re.sub(r"[\W_]+", "_", label.lower()).strip("_")

@@ -50,7 +50,7 @@ class DrivingSession:
 
     def __init__(self, config: pytest.Config, folder: Path) -> None:
         self._config, self._folder = config, folder
-        self._mode: str = config.getoption("oodscen_baseline_mode")
+        self._mode: str = config.getoption("oodscen_baseline_mode") or "compare"
         self._file = path_setting(config, "oodscen_baseline")
         """The file of the baseline, if one is named."""
         self._grades: list[RequirementResult] = []
@@ -126,8 +126,9 @@ class DrivingSession:
         """
         folder = path_setting(self._config, "oodscen_pictures")
         junit = self._config.getoption("xmlpath", None)
-        if folder is None and junit:
-            folder = Path(self._config.invocation_params.dir, junit).parent / "oodscen"
+        if folder is None and junit:  # Pytest expands `~` and variables of the environment in it.
+            file = os.path.expanduser(os.path.expandvars(junit))
+            folder = Path(self._config.invocation_params.dir, file).parent / "oodscen"
         if folder is not None:
             refuse_inside(folder)
         return folder
@@ -310,7 +311,8 @@ class DrivingSession:
     def pytest_sessionfinish(self, session: pytest.Session, exitstatus: int) -> None:
         """Grade the stacks, write the baseline, and fail the session where a stack does not meet the bars."""
         has_ended = exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
-        self._is_whole = has_ended and not self._has_lost_process
+        is_cut_short = session.shouldfail or session.shouldstop
+        self._is_whole = has_ended and not is_cut_short and not self._has_lost_process
         if hasattr(self._config, "workerinput") or not self._is_whole or self._collects_only:
             return
         try:

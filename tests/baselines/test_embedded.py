@@ -1,4 +1,5 @@
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -79,6 +80,63 @@ def test_texts_that_cannot_be_measured_leave_an_earlier_file(file, texts, fault)
     assert sorted(path.name for path in file.parent.iterdir()) == [file.name, f"{file.name}.json"]
 
 
+def unreadable_line():
+    yield "a car"
+    yield Path("missing.txt").read_text()
+
+
+@pytest.mark.parametrize(
+    ("texts", "kind"),
+    [
+        (unreadable_line(), FileNotFoundError),
+        ((str(int(text)) for text in ["x"]), ValueError),
+    ],
+)
+def test_errors_of_the_callers_texts_are_the_callers(file, texts, kind):
+    before = file.read_bytes()
+    with pytest.raises(kind) as error:
+        write_embeddings(file, ENCODER, texts)
+    assert not isinstance(error.value, OodscenError)
+    assert "write" not in str(error.value)
+    assert file.read_bytes() == before
+
+
+@pytest.mark.parametrize("name", ["n" * 248 + ".npy", "folder.npy"])
+def test_nothing_is_replaced_where_the_record_cannot_be_written(tmp_path, name):
+    (tmp_path / "folder.npy.json").mkdir()
+    before = sorted(tmp_path.iterdir())
+    with pytest.raises(OodscenError, match=r"cannot write .*\.npy\.json"):
+        write_embeddings(tmp_path / name, ENCODER, TEXTS)
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_a_record_never_describes_another_array(file, monkeypatch):
+    whole = Path.replace
+
+    def fail(path, target):
+        if Path(target).suffix == ".json":
+            raise OSError("the disk is gone")
+        return whole(path, target)
+
+    monkeypatch.setattr(Path, "replace", fail)
+    with pytest.raises(OodscenError, match="the disk is gone"):
+        write_embeddings(file, HashEncoder(16), reversed(TEXTS))
+    with pytest.raises(DataError):
+        open_embeddings(file, ENCODER)
+
+
+def test_a_record_of_another_number_of_rows_is_refused(file):
+    np.save(file, np.load(file)[:3])
+    with pytest.raises(DataError, match=r"\(3, 16\), but \(50, 16\) in ordinary\.npy\.json"):
+        open_embeddings(file, ENCODER)
+
+
+@pytest.mark.parametrize("step", [2, -1])
+def test_rows_are_read_without_a_step(file, step):
+    with pytest.raises(UsageError, match="step"):
+        open_embeddings(file, ENCODER)[::step]
+
+
 def test_another_encoders_baseline_is_refused(file):
     with pytest.raises(UsageError, match="hash-16"):
         open_embeddings(file, HashEncoder(8))
@@ -105,6 +163,42 @@ def test_a_damaged_file_is_a_data_error(file, damage):
         np.save(file, rows)
     with pytest.raises(DataError):
         Metrics(ENCODER, open_embeddings(file, ENCODER)).oodness(["a car"])
+
+
+def header(text):
+    return b"\x93NUMPY\x01\x00v\x00" + text.ljust(117).encode() + b"\n" + bytes(64)
+
+
+def shaped(shape):
+    return header(f"{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}}}")
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"PK\x03\x04" + b"x" * 100,
+        shaped((10**30, 16)),
+        shaped((-3, 16)),
+        shaped((2**62, 16)),
+        shaped((True, 16)),
+        header("{'descr': '<f4', 'shape': (("),
+        header("{[]: 1}"),
+        header("{'descr': ('a',), 'fortran_order': False, 'shape': (1,)}"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore")
+def test_what_is_no_array_is_a_data_error(file, content):
+    file.write_bytes(content)
+    with pytest.raises(DataError, match="is no array"):
+        open_embeddings(file, ENCODER)
+
+
+def test_an_archive_of_arrays_is_a_data_error(file):
+    np.savez(file.with_suffix(".npz"), a=np.ones((2, 16), np.float32))
+    file.with_suffix(".npz").rename(file)
+    with pytest.raises(DataError, match="is no array"):
+        open_embeddings(file, ENCODER)
 
 
 def test_an_arrow_file_of_another_layout_is_a_data_error(tmp_path):

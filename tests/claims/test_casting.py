@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from oodscen.claims._assignment import cheapest_assignment
 from oodscen.claims._casting import Casting, Subject, cast
 from oodscen.claims._findings import failures
 from oodscen.claims._things import thing_named
@@ -49,10 +50,43 @@ def test_no_other_cast_contradicts_fewer_claims(values, sides):
         assert failed(together) == min(alone)
 
 
-def test_more_things_than_can_be_tried_are_cast_all_the_same():
-    actors = [observed(index=index) for index in range(14)]
-    castings = cast([subject(f"car {number}", candidates=actors) for number in range(14)])
-    assert [casting.actor_ids for casting in castings.values()] == [[a.id] for a in actors]
+def test_things_find_their_actors_among_many():
+    sides = ["behind"] * 10 + ["ahead"] * 10
+    actors = [observed(index=index, **SIDES[side]) for index, side in enumerate(sides)]
+    castings = cast([subject(f"car {number}", candidates=actors) for number in range(10)])
+    assert failed(castings) == 0
+    assert [casting.actor_ids for casting in castings.values()] == [[a.id] for a in actors[10:]]
+
+
+COSTS = st.integers(0, 5).flatmap(
+    lambda rows: st.integers(rows, 6).flatmap(
+        lambda columns: st.lists(
+            st.lists(st.sampled_from((0, 1, 2, 1000)), min_size=columns, max_size=columns),
+            min_size=rows,
+            max_size=rows,
+        )
+    )
+)
+
+
+@given(COSTS)
+def test_the_cheapest_assignment_is_the_first_of_all_as_cheap(costs):
+    columns = len(costs[0]) if costs else 0
+
+    def total(chosen: tuple[int, ...]) -> int:
+        return sum(line[column] for line, column in zip(costs, chosen, strict=True))
+
+    assert tuple(cheapest_assignment(costs)) == min(
+        permutations(range(columns), len(costs)), key=total
+    )
+
+
+def test_a_claim_about_several_holds_if_it_is_open_for_others():
+    box, car = observed(asset="cardboard_box"), observed(index=1, state="hazard")
+    claim = Claim(kind="state", value="hazard", subject="things")
+    several = subject("things", candidates=[box, car], claims=[claim], is_stated=True)
+    (casting,) = cast([several]).values()
+    assert casting.findings[claim].status == "holds"
 
 
 def test_a_thing_that_no_actor_fits_contradicts_all_its_claims():

@@ -83,3 +83,20 @@ def test_every_drive_of_every_test_has_pictures_of_its_own(session, pytester, op
     assert Counter(shown) == Counter(name for names in told.values() for name in names)
     assert Counter(shown) == Counter(files)
     assert sorted(map(len, told.values())) == [2, 2, 2, 2, 4, 4, 4, 4]
+
+
+@pytest.mark.parametrize("stack", ["Blind", "Startled"])
+def test_pictures_that_cannot_be_written_are_told_and_change_no_outcome(session, pytester, stack):
+    (pytester.path / "oodscen").write_text("in the way")
+    options = (
+        "-k",
+        "test_safe or test_twin",
+        "--junitxml=junit.xml",
+        "--oodscen-require=safe>=0,needless<=1",
+    )
+    result = session(stack, *options)
+    assert result.ret == 0
+    assert result.parseoutcomes()["xfailed"]
+    assert "failed" not in result.parseoutcomes()
+    result = session(stack, *options[:-1])
+    result.stdout.fnmatch_lines(["pictures   cannot write */oodscen*"])

@@ -251,6 +251,7 @@ def test_what_is_no_baseline_is_never_overwritten(session, pytester, text):
         (["--oodscen-baseline-mode=update"], "needs --oodscen-baseline"),
         (["--oodscen-baseline", "../none.json"], "write --oodscen-baseline=../none.json"),
         (["-o", "oodscen_per_path=few"], "is not a number of scenes"),
+        (["--oodscen-per-path=0"], "is not a number of scenes"),
     ],
 )
 def test_a_wrong_option_is_one_line(session, options, words):
@@ -262,8 +263,16 @@ def test_a_wrong_option_is_one_line(session, options, words):
 
 def test_without_a_study_nothing_is_added(session, pytester):
     assert session("Blind", "--fixtures", named=False).stdout.str().count("oodscen_scene") == 0
-    lost = session("Blind", "--oodscen-require=safe>=1", named=False)
-    assert "needs a study" in lost.stderr.str()
+    for lost in (
+        "--oodscen-require=safe>=1",
+        "--oodscen-baseline-mode=write",
+        "--oodscen-per-path=3",
+        "--oodscen-simulator=flat",
+        "--oodscen-pictures=shown",
+        "--oodscen-baseline=known.json",
+    ):
+        result = session("Blind", lost, named=False)
+        assert f"{lost.partition('=')[0]} needs a study" in result.stderr.str()
     (pytester.path / "empty").mkdir()
     assert "holds no study" in session("Blind", "--oodscen=empty", named=False).stderr.str()
 
@@ -280,6 +289,47 @@ def test_a_setting_names_the_study_and_processes_share_the_scenes(session, study
     assert result.ret == 0
     assert (pytester.path / "known.json").read_bytes() == alone
     result.stdout.fnmatch_lines([f"Stack, scenes: * of {len(study.scenes)} safe, *"])
+
+
+def test_a_path_in_the_environment_is_refused_as_on_the_command_line(session, monkeypatch):
+    monkeypatch.setenv("PYTEST_ADDOPTS", "--oodscen ../far")
+    result = session("Blind", named=False)
+    assert result.ret == pytest.ExitCode.USAGE_ERROR
+    assert "write --oodscen=../far: " in result.stderr.str()
+
+
+def test_a_setting_starts_at_the_configuration_file_wherever_the_root_is(session, quick, pytester):
+    shutil.copytree(quick, pytester.path / "here")
+    (pytester.path / "elsewhere").mkdir()
+    pytester.makeini("[pytest]\naddopts = -p oodscen.pytest_plugin._hooks\noodscen = here\n")
+    options = ("-c", "tox.ini", "--rootdir=elsewhere", "--collect-only", "-k", "test_safe")
+    result = session("Blind", *options, named=False)
+    assert result.ret == pytest.ExitCode.OK
+    result.stdout.fnmatch_lines([f"oodscen: {pytester.path / 'here'}"])
+
+
+def test_the_working_folder_may_be_the_study(session, quick, pytester):
+    shutil.copytree(quick, pytester.path, dirs_exist_ok=True)
+    options = ("--oodscen", ".", "--collect-only", "-k", "test_safe", "test_stack.py")
+    assert session("Blind", *options, named=False).ret == pytest.ExitCode.OK
+
+
+def test_a_session_that_stops_at_a_failure_grades_and_writes_nothing(session, pytester):
+    with (pytester.path / "test_stack.py").open("a") as tests:
+        tests.write("\n\ndef test_a():\n    assert 1 == 2\n\n\ndef test_b():\n    pass\n")
+    write = ("--oodscen-baseline=known.json", "--oodscen-baseline-mode=write")
+    options = (*write, "--oodscen-require=safe>=0", "-k", "kerb or test_a or test_b", "-x")
+    result = session("'rule-based'", *options)
+    assert result.ret == pytest.ExitCode.TESTS_FAILED
+    result.stdout.fnmatch_lines(["*known.json: not all tests ran*", "not all tests ran, *graded*"])
+    assert not (pytester.path / "known.json").exists()
+
+
+def test_pictures_lie_beside_the_junit_file_where_pytest_puts_it(session, pytester, monkeypatch):
+    monkeypatch.setenv("REPORTS", "made")
+    session("Blind", "--junitxml=$REPORTS/junit.xml", "-k", "test_safe and box-001")
+    assert (pytester.path / "made" / "junit.xml").exists()
+    assert len(list((pytester.path / "made" / "oodscen").iterdir())) == 2
 
 
 def test_a_process_that_dies_leaves_no_grade_and_no_baseline(session, study, pytester):

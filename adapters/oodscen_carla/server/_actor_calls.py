@@ -8,6 +8,7 @@ from oodscen_carla.server._actors import ZERO, ServerActor
 from oodscen_carla.server._blueprints import CAMERAS
 from oodscen_carla.server._sensors import camera_of
 from oodscen_carla.server._streams import Streams
+from oodscen_carla.server._values import CallError
 from oodscen_carla.server._world import SPECTATOR_ID, World
 
 
@@ -39,6 +40,8 @@ class ActorCalls:
     def rpc_spawn_actor_with_parent(
         self, description: Any, place: Any, parent: Any, attachment: Any = 0, socket: Any = ""
     ) -> list[Any]:
+        if parent == 0:
+            raise CallError("unable to attach actor: parent actor not found")
         return self._row(self.spawn(description, place, parent))
 
     def spawn(self, description: Any, place: Any, parent: Any) -> ServerActor:
@@ -53,14 +56,15 @@ class ActorCalls:
         return self._world.spawn(checked, read.transform(place), read.whole(parent))
 
     def rpc_destroy_actor(self, number: Any) -> bool:
-        actor = self._world.actors.get(read.whole(number))
+        actor_id = read.whole(number)
+        actor = self._world.actors.get(actor_id)
         if actor is not None and actor.staged:
             # An error would end scripts that clean up by destroying all vehicles.
-            self._log(f"refused destroy_actor: actor {actor.id} belongs to the staged scene")
+            self._log(f"refused destroy_actor: actor {actor_id} belongs to the staged scene")
             return False
-        removed = self._world.destroy(read.whole(number))
-        for actor in removed:
-            self._streams.drop(actor.id)
+        removed = self._world.destroy(actor_id)
+        for one in removed:
+            self._streams.drop(one.id)
         return bool(removed)
 
     def rpc_get_sensor_token(self, stream: Any) -> list[bytes]:

@@ -18,7 +18,8 @@ from oodscen.driving._motion.bodies import GRAVITY
 from oodscen.protocols import Frame
 from oodscen_carla._cameras import DEPTH_CODES, FARTHEST_M
 from oodscen_carla.server._actors import ServerActor
-from oodscen_carla.server._values import Transform
+from oodscen_carla.server._geometry import matrix
+from oodscen_carla.server._values import Transform, Vector
 
 REGISTRY = {
     "sensor.other.collision": 0,
@@ -148,17 +149,23 @@ def picture_head(width: int, height: int, fov: float) -> bytes:
     return struct.pack("<IIf", width, height, fov)
 
 
-def collision(actor: list[Any], other: list[Any], impulse: list[float]) -> bytes:
+def collision(actor: list[Any], other: list[Any], impulse: Vector) -> bytes:
     """Return the body of a collision event."""
     return _packed([actor, other, impulse])
 
 
 def inertial(actor: ServerActor, place: Transform) -> bytes:
-    """Return accelerometer, gyroscope and compass."""
+    """Return accelerometer, gyroscope and compass, the former two in the sensor's axes.
+
+    Args:
+        actor: The actor that carries the sensor.
+        place: The sensor's place in the world.
+    """
     x, y, z = actor.acceleration
-    gyroscope = [math.radians(angle) for angle in actor.angular]
+    vectors = np.array([[x, y, z + GRAVITY], np.radians(actor.angular)])
+    accelerometer, gyroscope = (vectors @ matrix(place)[:3, :3]).tolist()
     compass = math.radians((place.rotation[1] + 90.0) % 360.0)
-    return _packed([[x, y, z + GRAVITY], gyroscope, compass])
+    return _packed([accelerometer, gyroscope, compass])
 
 
 def position(place: Transform) -> bytes:

@@ -13,9 +13,9 @@ from oodscen_carla.server import _measurements as wire
 from oodscen_carla.server._actors import ServerActor
 from oodscen_carla.server._blueprints import CAMERAS, PICTURE
 from oodscen_carla.server._cameras import CameraRenderer, PicturedBody, View
+from oodscen_carla.server._geometry import matrix, transform_of
 from oodscen_carla.server._streams import WORLD_STREAM, Streams
 from oodscen_carla.server._values import CallError, Transform
-from oodscen_carla.server._vehicles import MASS_KG
 from oodscen_carla.server._world import World
 
 MAX_SIDE = 4096
@@ -30,7 +30,7 @@ def camera_of(attributes: Mapping[str, str]) -> Camera:
     """Return the camera, not yet mounted, that a blueprint's attributes describe.
 
     Raises:
-        CallError: If its picture is none, or too large.
+        CallError: If the size or the field of view is no number or out of range.
     """
     values = {
         attribute.name: attributes.get(attribute.name, attribute.default) for attribute in PICTURE
@@ -41,14 +41,16 @@ def camera_of(attributes: Mapping[str, str]) -> Camera:
     except ValueError:
         raise CallError("image_size_x, image_size_y and fov must be numbers") from None
     if not (0 < width <= MAX_SIDE and 0 < height <= MAX_SIDE and width * height <= MAX_PIXELS):
-        raise CallError(f"a picture has at most {MAX_SIDE} pixels a side and {MAX_PIXELS} in all")
+        raise CallError(
+            f"a picture has 1 to {MAX_SIDE} pixels a side and at most {MAX_PIXELS} in all"
+        )
     if not 1.0 <= fov <= 170.0:
         raise CallError("fov must be between 1 and 170 degrees")
     return Camera(width=width, height=height, fov_deg=fov)
 
 
 class SensorSender:
-    """Takes every picture once per mount, for all kinds of camera that hang there."""
+    """Sends the world's state and what sensors measure; one picture serves all cameras of a mount."""
 
     def __init__(self, world: World, renderer: CameraRenderer, streams: Streams) -> None:
         self._world, self._renderer, self._streams = world, renderer, streams
@@ -74,8 +76,8 @@ class SensorSender:
                 bodies = self._world.bodies() if bodies is None else bodies
                 self._send_picture(actor, bodies, pictures)
             elif actor.type_id == "sensor.other.imu":
-                place = self._world.place_of(actor)
-                self._send(actor, wire.inertial(self._carrier(actor), place))
+                carrier, place = self._world.carrier_of(actor), self._world.place_of(actor)
+                self._send(actor, wire.inertial(carrier, place))
             elif actor.type_id == "sensor.other.gnss":
                 self._send(actor, wire.position(self._world.place_of(actor)))
         self._send_collisions()
@@ -85,9 +87,6 @@ class SensorSender:
             return False
         self._due_at[actor] = self._world.time + actor.number("sensor_tick", 0.0)
         return True
-
-    def _carrier(self, actor: ServerActor) -> ServerActor:
-        return self._world.actors.get(actor.parent, actor)
 
     def _send(self, actor: ServerActor, head: bytes, body: bytes | memoryview = b"") -> None:
         place = self._world.place_of(actor)
@@ -136,10 +135,8 @@ class SensorSender:
         for actor in world.actors.values():
             if actor.type_id == "sensor.other.collision" and self._streams.is_heard(actor.id):
                 listening.setdefault(actor.parent, []).append(actor)
-        for car, other in world.collisions if listening else ():
+        for (car, other), impulse in world.collisions.items() if listening else ():
             for sensor in listening.get(car.id, ()):
-                pairs = zip(car.velocity, other.velocity, strict=True)
-                impulse = [MASS_KG * (a - b) for a, b in pairs]
                 self._send(sensor, wire.collision(car.row(b""), other.row(b""), impulse))
 
 
@@ -157,11 +154,13 @@ def aimed(
     32-bit floats; any other stands free in the world.
     """
     is_level = host is not None and not (host.place.rotation[0] or host.place.rotation[2])
-    if pose is not None and is_level and not mount.rotation[2]:
+    if pose is not None and is_level and not mount.rotation[2] and abs(mount.rotation[0]) <= 90.0:
         x, y, z = (round(value, 6) for value in mount.location)
         pitch, yaw, _ = (round(angle, 6) for angle in mount.rotation)
         camera = _moved(size, x, -y, z, -pitch, math.remainder(-yaw, 360.0))
         return View(camera, pose, 0.0, time)
+    if abs(place.rotation[0]) > 90.0:  # It looks over its back, as a lower one does that is turned.
+        place = transform_of(matrix(place))
     x, y, z = place.location
     pitch, yaw, roll = place.rotation
     camera = _moved(size, 0.0, 0.0, 0.0, -pitch, 0.0)
@@ -169,5 +168,4 @@ def aimed(
 
 
 def _moved(size: Camera, x: float, y: float, z: float, pitch_deg: float, yaw_deg: float) -> Camera:
-    pitch = max(-90.0, min(90.0, pitch_deg))
-    return Camera(size.width, size.height, size.fov_deg, x, y, z, pitch, yaw_deg)
+    return Camera(size.width, size.height, size.fov_deg, x, y, z, pitch_deg, yaw_deg)

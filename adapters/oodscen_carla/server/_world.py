@@ -1,11 +1,14 @@
 """The served world: its map, weather, settings and actors, and what one tick does to them."""
 
+import math
 import tempfile
 from collections.abc import Sequence
+from functools import reduce
 from pathlib import Path
 from typing import Literal
 
 from oodscen.data import Catalogue, Scene, Weather
+from oodscen.driving._motion.triggers import ROUNDING_S
 from oodscen.driving._roads.building import find_map
 from oodscen.errors import OodscenError, UsageError
 from oodscen_carla._blueprints import own_id
@@ -20,7 +23,7 @@ from oodscen_carla.server._blueprints import (
     BlueprintLibrary,
 )
 from oodscen_carla.server._cameras import PicturedBody
-from oodscen_carla.server._collisions import collide
+from oodscen_carla.server._collisions import Pair, collide
 from oodscen_carla.server._depiction import (
     LitVehicle,
     Motion,
@@ -42,7 +45,7 @@ from oodscen_carla.server._values import (
 )
 
 STEP_S = 0.05
-"""Duration of a tick without a fixed one, s."""
+"""Duration of a tick without a fixed one, and the longest time that bodies move between checks for collisions, s."""
 MAX_ACTORS = 2_000
 SPECTATOR_ID = 23
 """Id of the spectator; actors follow."""
@@ -80,8 +83,8 @@ class World:
         self.weather = WeatherParameters()
         self._has_clients_weather = True
         self.staged: ServedScene | None = None
-        self.collisions: list[tuple[ServerActor, ServerActor]] = []
-        """Pairs of a vehicle and what it touches in this tick."""
+        self.collisions: dict[Pair, Vector] = {}
+        """The vehicles and what they touch in this tick, with the impulse as they meet, N s."""
         self.map: ServedMap
         """The map of this episode."""
         self.actors: dict[int, ServerActor] = {}
@@ -266,13 +269,19 @@ class World:
 
     def place_of(self, actor: ServerActor) -> Transform:
         """Return an actor's place in the world."""
+        *attached, carrier = self._chain(actor)
+        return reduce(mounted, (one.place for one in reversed(attached)), carrier.place)
+
+    def carrier_of(self, actor: ServerActor) -> ServerActor:
+        """Return the actor that an attached one moves with; itself if it is attached to none."""
+        return self._chain(actor)[-1]
+
+    def _chain(self, actor: ServerActor) -> list[ServerActor]:
+        """Return an actor, what it is attached to, what that is attached to, and so on."""
         chain = [actor]
         while chain[-1].parent in self.actors:
             chain.append(self.actors[chain[-1].parent])
-        place = chain.pop().place
-        while chain:
-            place = mounted(place, chain.pop().place)
-        return place
+        return chain
 
     def bodies(self) -> list[PicturedBody]:
         """Return everything that pictures show, in right-handed axes; a staged scene's ego first."""
@@ -317,10 +326,21 @@ class World:
         return round(self.time - host.spawned_at, 6) if host else 0.0
 
     def advance(self) -> None:
-        """Move everything by one tick."""
-        dt = self.step
+        """Move everything by one tick, in parts in which no vehicle passes through another."""
         self.frame += 1
-        self.time += dt
+        self.time += self.step
+        for actor in self.actors.values():
+            if actor.is_placed:
+                actor.placings += 1
+                actor.is_placed = False
+        self.collisions = {}
+        parts = max(1, math.ceil(self.step / STEP_S - ROUNDING_S))
+        for _ in range(parts):
+            # Only the first impulse counts: the next parts find what was hit standing.
+            self.collisions = self._move(self.step / parts) | self.collisions
+
+    def _move(self, dt: float) -> dict[Pair, Vector]:
+        """Move everything for a time; return the contacts and their impulses."""
         before = {}
         boxes = [
             FrictionBox.of(actor, self.place_of(actor))
@@ -329,9 +349,6 @@ class World:
         ]
         surface = Surface(self.map, self.friction, boxes)
         for actor in self.actors.values():
-            if actor.is_placed:
-                actor.placings += 1
-                actor.is_placed = False
             if not actor.staged and actor.blueprint.is_solid:
                 before[actor.id] = actor.place
                 move(actor, surface, dt)
@@ -342,8 +359,8 @@ class World:
             if self.is_synchronous or control is not None:
                 self.staged.advance(dt, control)
                 self._sync_staged_actors()
-        touched = frozenset(self.staged.world.state().contacts if self.staged else ())
-        self.collisions = collide(self.actors.values(), before, touched)
+        touched = set(self.staged.world.state().contacts if self.staged else ())
+        return collide(self.actors.values(), before, touched)
 
     def _sync_staged_actors(self) -> None:
         motions = self._staged_motions()

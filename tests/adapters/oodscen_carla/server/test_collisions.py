@@ -5,6 +5,9 @@ from itertools import permutations
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from oodscen_carla.server import _world
+from oodscen_carla.server._collisions import collide
+from oodscen_carla.server._vehicles import MASS_KG
 
 from tests.adapters.oodscen_carla.server.conftest import Served
 
@@ -102,11 +105,64 @@ def test_a_car_backs_away_from_what_it_hit(served):
 
 
 def test_a_car_that_is_put_back_is_met_by_what_it_had_left_behind(served):
-    """With long ticks a car is put back by more than the reach of what follows it."""
-    served.world.settings = served.world.settings._replace(fixed_step_s=0.5)
+    """A very fast car is put back by more than the reach of what follows it."""
     lead, wall, tail = (served.spawn(CAR, x, Y) for x in (105.0, 132.0, 100.0))
-    drive(served, lead, 50.0)
-    drive(served, tail, 10.0)
+    drive(served, lead, 500.0)
+    drive(served, tail, 100.0)
     served.get("tick_cue")
     assert not overlapping(served, [tail, lead, wall])
     assert (tail, lead) in hits(served)
+
+
+@pytest.mark.parametrize("dt", [0.05, 0.06, 0.5, 2.0])
+@pytest.mark.parametrize("speed", [10.0, 50.0])
+def test_a_tick_of_any_length_ends_at_what_is_in_the_way(served, dt, speed):
+    served.world.settings = served.world.settings._replace(fixed_step_s=dt)
+    car, wall = served.spawn(CAR, 100.0, Y), served.spawn(HAY, 110.0, Y)
+    drive(served, car, speed)
+    crashes = []
+    for _ in range(round(4.0 / dt)):
+        served.get("tick_cue")
+        crashes += [
+            impulse for pair, impulse in served.world.collisions.items() if pair[1].id == wall
+        ]
+    assert x_of(served, car) < 110.0
+    assert crashes[0][0] == pytest.approx(MASS_KG * speed, rel=0.25)
+
+
+@pytest.mark.parametrize("dt", [0.01, 0.05])
+def test_short_ticks_are_not_divided(served, dt, monkeypatch):
+    served.world.settings = served.world.settings._replace(fixed_step_s=dt)
+    moves = []
+    monkeypatch.setattr(_world, "move", lambda actor, surface, step: moves.append(step))
+    served.spawn(CAR, 100.0, Y)
+    served.get("tick_cue")
+    assert moves == [dt]
+
+
+def test_a_crash_has_the_impulse_before_the_stop(served):
+    left, right = served.spawn(CAR, 100.0, Y), served.spawn(CAR, 106.0, Y, yaw=180.0)
+    drive(served, left, 30.0)
+    drive(served, right, 20.0)
+    served.get("tick_cue")
+    impulses = {one.id: impulse for (one, _), impulse in served.world.collisions.items()}
+    assert impulses[left][0] == pytest.approx(MASS_KG * 50.0, rel=0.01)
+    assert impulses[right] == tuple(-value for value in impulses[left])
+
+
+def test_a_car_that_stood_alone_for_a_tick_has_left_what_it_touched(served):
+    wall, car = served.spawn(CAR, 100.0, Y), served.spawn(CAR, 120.0, Y)
+    served.get("set_actor_location", car, [104.5, Y, 0.0])
+    drive(served, car, 0.0)
+    served.get("tick_cue")
+    assert served.world.actors[car].touching == {wall}
+    served.get("destroy_actor", wall)
+    served.get("tick_cue")
+    assert served.world.actors[car].touching == set()
+
+
+def test_both_sides_of_a_contact_with_the_hero_tell_of_it(served):
+    hero, other = (served.world.actors[served.spawn(CAR, x, Y)] for x in (100.0, 130.0))
+    hero.staged, other.staged = "ego", "lorry"
+    assert collide((hero, other), {}, {"lorry"}).keys() == {(hero, other), (other, hero)}
+    assert not collide((hero, other), {}, set())
