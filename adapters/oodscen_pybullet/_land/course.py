@@ -10,7 +10,7 @@ from oodscen_pybullet._types import Array, Ints
 TIGHT = 1 / 90
 """Curvature above which pieces are shorter, 1/m."""
 _STEP_M, _FAST_STEP_M = 3.0, 6.0
-"""Length of a piece of road and of a fast road, m; also the length of a dash of a broken mark."""
+"""Length of a piece of road and of a fast road, m."""
 _FAST_MPS = 19.0
 """Speed limit above which a road counts as fast, m/s."""
 _BEHIND_M = 60.0
@@ -96,9 +96,14 @@ def is_fast(corridor: Corridor) -> bool:
     return corridor.speed_limit > _FAST_MPS
 
 
+def piece_length(corridor: Corridor) -> float:
+    """Return the length of a piece of a road where it is not divided, m; a broken mark's dashes are as long."""
+    return _FAST_STEP_M if is_fast(corridor) else _STEP_M
+
+
 def _positions(corridor: Corridor, first: float, last: float) -> Array:
     """Return the s at which a corridor is sampled, m: more of them where it bends or its lanes change."""
-    piece_m = _FAST_STEP_M if is_fast(corridor) else _STEP_M
+    piece_m = piece_length(corridor)
     count = max(1, int((last - first) / piece_m + 0.5))
     step = min(piece_m, last - first)
     s: Array = first + step * np.arange(count + 1, dtype=np.float64)

@@ -11,14 +11,14 @@ import numpy as np
 
 from oodscen.driving._roads.corridor import Structure
 from oodscen_pybullet._land.adaptive_grid import Squares, crossing
-from oodscen_pybullet._land.ground import Ground
+from oodscen_pybullet._land.ground import Ground, Near
 from oodscen_pybullet._land.islands import Islands
 from oodscen_pybullet._land.relief import KERB_HEIGHT_M, Relief
 from oodscen_pybullet._land.theme import Theme
 from oodscen_pybullet._meshes.atlas import REGIONS, region_uv, swatch_uv
 from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._rendering.clipping import cut
-from oodscen_pybullet._types import Array, Ints, Mask
+from oodscen_pybullet._types import Array, Ints
 
 KERB_FOOT_M = -0.03
 """Height of the foot of a kerb's side above the road, m: below it, so that no gap shows."""
@@ -132,21 +132,21 @@ class Land:
         points, triangles, owners = squares.triangles()
         x, y = points[:, 0], points[:, 1]
         near = self._ground.near(x, y)
-        z, paved = self.relief.heights(x, y).beside, near.paved
-        if self._ground.has_kerb and len(self.road_corners):
-            at_corner = np.minimum(paved, near.asphalt - _CORNER_PAVED_M)
-            paved = np.where(self._is_corner(points), at_corner, paved)
-        zero = np.zeros(len(points))
-        columns = [x, y, z, near.asphalt, paved, zero, zero, near.s]
+        z, zero = self.relief.heights(x, y).beside, np.zeros(len(points))
+        columns = [x, y, z, near.asphalt, self._paved(points, near), zero, zero, near.s]
         corners = np.stack(columns, axis=1)[triangles]
         corners[:, :, _U : _V + 1] = squares.texture_coordinates(points[triangles], owners)
         return corners
 
-    def _is_corner(self, points: Array) -> Mask:
-        """Return which points are close enough to a tight bend or junction to be paved all over."""
+    def _paved(self, points: Array, near: Near) -> Array:
+        """Return the distance of points, [n, 2], from what is paved, m: also all that is close to a kerbed corner."""
+        if not (self._ground.has_kerb and len(self.road_corners)):
+            return near.paved
         squares = (points[:, :1] - self.road_corners[None, :, 0]) ** 2
         squares += (points[:, 1:] - self.road_corners[None, :, 1]) ** 2
-        return np.asarray(squares.min(axis=1) < _CORNER_M * _CORNER_M)
+        is_corner = squares.min(axis=1) < _CORNER_M * _CORNER_M
+        at_corner = np.minimum(near.paved, near.asphalt - _CORNER_PAVED_M)
+        return np.asarray(np.where(is_corner, at_corner, near.paved))
 
     def _split_at_structures(self, corners: Array) -> tuple[Array, Array]:
         """Split the ground at tunnels and bridges: the part in the open, and the one that a structure spans.
@@ -171,8 +171,9 @@ class Land:
         """Cut off what lies below asphalt; return the land, and the edges along the cut."""
         _, land, border = cut(in_open, _ASPHALT, 0.0, self._edge_of_asphalt)
         is_edge = land[:, :, _ASPHALT] <= 0.0
-        x, y = land[is_edge][:, _X], land[is_edge][:, _Y]
-        land[is_edge, _PAVED] = np.minimum(self._ground.near(x, y).paved, 0.0) if len(x) else 0.0
+        points = land[is_edge][:, : _Y + 1]
+        near = self._ground.near(points[:, 0], points[:, 1])
+        land[is_edge, _PAVED] = np.minimum(self._paved(points, near), 0.0)
         return land, border
 
     def _edge_of_asphalt(self, starts: Array, ends: Array) -> Array:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from oodscen.driving._roads.corridor import LaneStrip, PaintedArea
-from oodscen_pybullet._land.course import RoadCourse
+from oodscen_pybullet._land.course import RoadCourse, piece_length
 from oodscen_pybullet._land.ground import Ground
 from oodscen_pybullet._land.polygons import (
     is_convex,
@@ -84,35 +84,30 @@ def _edge_marks(way: Way) -> Iterator[_EdgeMark]:
     """Yield the marks of a road from right to left: the rightmost edge, then the left one of each strip."""
     course, strips = way.course, way.corridor.strips
     right, left = strip_edges(way.corridor, course, strips[0])
+    dashes = _dashes(course, piece_length(way.corridor))
     marks = _marks_along(course, strips[0], is_left=False)
-    painted = _painted(course, marks, right, left - right)
+    painted = _painted(marks, dashes, right, left - right)
     yield _EdgeMark(right, painted, np.zeros_like(painted))
     for strip, neighbour in itertools.zip_longest(strips, strips[1:]):
         right, left = strip_edges(way.corridor, course, strip)
         marks = _marks_along(course, strip, is_left=True)
-        painted = _painted(course, marks, left, left - right)
+        painted = _painted(marks, dashes, left, left - right)
         is_double = (marks == "solid") & _parts_directions(strip, neighbour)
         yield _EdgeMark(left, painted & ~is_double, painted & is_double)
 
 
 def _marks_along(course: RoadCourse, strip: LaneStrip, *, is_left: bool) -> Strings:
-    """Return the mark on one edge of a strip along every piece, [n - 1].
-
-    Only paint changes: an edge with a kerb at the ego's start has one everywhere, and no other edge has any.
-    """
-    start = strip.mark if is_left else strip.right_mark
-    if start == "curb" or not strip.mark_changes:
-        return np.full(len(course.middles), start)
-    index = np.searchsorted([s for s, _, _ in strip.mark_changes], course.middles, side="right") - 1
-    marks = np.array([left if is_left else right for _, left, right in strip.mark_changes])
-    along = marks[np.maximum(index, 0)]
-    return np.where(along == "curb", start, along)
+    """Return the mark on one edge of a strip along every piece, [n - 1]."""
+    changes = strip.mark_changes or ((0.0, strip.mark, strip.right_mark),)
+    index = np.searchsorted([s for s, _, _ in changes], course.middles, side="right") - 1
+    marks = np.array([left if is_left else right for _, left, right in changes])
+    return marks[np.maximum(index, 0)]
 
 
-def _painted(course: RoadCourse, marks: Strings, edge: Array, width: Array) -> Mask:
+def _painted(marks: Strings, dashes: Mask, edge: Array, width: Array) -> Mask:
     """Return the pieces along which the edge of a strip of some width, [n], carries paint."""
     where = whole_pieces(width > _LANE_M) & (np.abs(np.diff(edge)) < _JUMP_M)
-    is_painted: Mask = (marks == "solid") | ((marks == "broken") & _dashes(course))
+    is_painted: Mask = (marks == "solid") | ((marks == "broken") & dashes)
     return where & is_painted
 
 
@@ -145,10 +140,11 @@ def _interrupted(way: Way, outlines: Sequence[PaintedArea]) -> Mask:
     return is_interrupted
 
 
-def _dashes(course: RoadCourse) -> Mask:
-    """Return the painted pieces of a broken mark: one in three."""
-    period = 3.0 * float(np.diff(course.s).max())
-    return np.asarray(course.middles % period < period / 3)
+def _dashes(course: RoadCourse, length: float) -> Mask:
+    """Return the pieces that a broken mark paints: one in three of those of a length, m, with all parts of it."""
+    first = float(course.s[0])
+    numbers = np.floor(first / length + 0.5) + np.floor((course.middles - first) / length)
+    return np.asarray(numbers % 3 == 0)
 
 
 def _line(

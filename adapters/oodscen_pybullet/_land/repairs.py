@@ -1,10 +1,13 @@
 """Repairs and manhole covers in a road's lanes."""
 
+from itertools import pairwise
+
 import numpy as np
 
-from oodscen.driving._roads.corridor import Corridor, LaneStrip
-from oodscen_pybullet._land.ribbons import LAYER_M, Ribbons, add_slab
+from oodscen.driving._roads.corridor import LaneStrip
+from oodscen_pybullet._land.ribbons import LAYER_M, Ribbons
 from oodscen_pybullet._land.ways import Way
+from oodscen_pybullet._types import Point
 
 _APART_M, _JITTER_M = 19.0, 7.0
 """Distance between places that may have something, and the most by which each is moved, m."""
@@ -14,8 +17,8 @@ _BEFORE_M, _AFTER_M = 6.0, 1.0
 """Distances before and behind a tunnel or bridge within which nothing begins, m: a repair fits before it."""
 _LEAST_WIDTH_M = 2.5
 """Width from which a lane has something, m."""
-_MANHOLE, _REPAIR = 0.35, 0.65
-"""Draws below which a place has a manhole cover, or else a repair; where there are no manholes it has a repair."""
+_MANHOLE_SHARE, _REPAIR_SHARE = 0.35, 0.30
+"""Shares of the places that have a manhole cover and a repair; on roads without manholes both have a repair."""
 _NO_MANHOLES_MPS = 20.0
 """Speed limit from which a road has no manholes, m/s."""
 _ASIDE_M = 0.7
@@ -39,18 +42,18 @@ def add_repairs_and_manholes(way: Way, ribbons: Ribbons, rng: np.random.Generato
     for strip in way.corridor.strips:
         if strip.kind == "driving":
             for s in np.arange(first, last, _APART_M).tolist():
-                _add_at(
-                    s + float(rng.uniform(-_JITTER_M, _JITTER_M)), way.corridor, strip, ribbons, rng
-                )
+                place = s + float(rng.uniform(-_JITTER_M, _JITTER_M))
+                _add_at(place, way, strip, ribbons, rng)
 
 
 def _add_at(
-    s: float, road: Corridor, strip: LaneStrip, ribbons: Ribbons, rng: np.random.Generator
+    s: float, way: Way, strip: LaneStrip, ribbons: Ribbons, rng: np.random.Generator
 ) -> None:
     """Add a repair, a manhole cover or nothing at a place of a lane.
 
     A repair keeps the lateral position that fits where it begins, even if the lane narrows along it.
     """
+    road = way.corridor
     draw = float(rng.uniform())
     if any(
         structure.start - _BEFORE_M < s < structure.end + _AFTER_M for structure in road.structures
@@ -60,17 +63,39 @@ def _add_at(
     left = float(np.interp(s, road.s, strip.left))
     if left - right < _LEAST_WIDTH_M:
         return
-    if draw < _MANHOLE and road.speed_limit < _NO_MANHOLES_MPS:
+    if draw < _MANHOLE_SHARE and road.speed_limit < _NO_MANHOLES_MPS:
         aside = float(rng.uniform(-_ASIDE_M, _ASIDE_M))
-        _add_manhole(road, ribbons, s, 0.5 * (left + right) + aside)
-    elif draw < _REPAIR:
+        _add_manhole(way, ribbons, s, 0.5 * (left + right) + aside)
+    elif draw < _MANHOLE_SHARE + _REPAIR_SHARE:
         length = float(rng.uniform(*_LENGTH_M))
         low = right + _RIM_M + float(rng.uniform(*_INWARDS_M))
         high = min(left - _RIM_M, low + float(rng.uniform(*_WIDTH_M)))
-        add_slab(road, ribbons, (s, s + length, low, high), LAYER_M, "asphalt_patch")
+        _add_repair(way, ribbons, (s, s + length), (low, high))
 
 
-def _add_manhole(road: Corridor, ribbons: Ribbons, s: float, t: float) -> None:
-    x, y, z, _ = road.point(s, t)
+def _add_repair(
+    way: Way, ribbons: Ribbons, along: tuple[float, float], across: tuple[float, float]
+) -> None:
+    """Add a repair, bent where the asphalt is, between two s and two t, m."""
+    start, end = along
+    right, left = across
+    bends = [s for s in way.course.s.tolist() if start < s < end]
+    for first, last in pairwise([start, *bends, end]):
+        corners = ((first, right), (last, right), (last, left), (first, left))
+        ribbons.patch([_on_asphalt(way, s, t, LAYER_M) for s, t in corners], "asphalt_patch")
+
+
+def _add_manhole(way: Way, ribbons: Ribbons, s: float, t: float) -> None:
+    """Add the frame and the lid of a manhole, which slope as the asphalt does."""
     for radius, colour, height in _COVER:
-        ribbons.patch([(x + radius * a, y + radius * b, z + height) for a, b in _OCTAGON], colour)
+        corners = [
+            _on_asphalt(way, s + radius * along, t + radius * across, height)
+            for along, across in _OCTAGON
+        ]
+        ribbons.patch(corners, colour)
+
+
+def _on_asphalt(way: Way, s: float, t: float, height: float) -> Point:
+    """Return a point at a height above the asphalt as it is drawn, m."""
+    x, y, _, _ = way.corridor.point(s, t)
+    return x, y, float(np.interp(s, way.course.s, way.course.z)) + height

@@ -13,8 +13,6 @@ from oodscen_pybullet._types import F32, Point
 
 _DARK_ENOUGH = 0.3
 """Darkness from which lamps light the ground."""
-_BEHIND_M, _BEYOND_M, _BESIDE_M = 40.0, 10.0, 30.0
-"""Distances of a lamp behind, beyond and beside the grid up to which it may light it, m."""
 _HEADLAMP_POWER = 3.5
 """Least power with which a directional lamp casts a cone of light."""
 _STREET_M, _CONE_M, _ROUND_M = 26.0, 45.0, 9.0
@@ -65,9 +63,6 @@ def _add_pool(grid: F32, view: CameraView, lamp: Lamp, dark: np.float32) -> bool
         dark: Darkness of the scene, 0 to 1.
     """
     aside, _, ahead = view.to_camera(lamp.position)
-    is_ahead = -_BEHIND_M < ahead < GRID_AHEAD * GRID_CELL_M + _BEYOND_M
-    if not (is_ahead and abs(aside) < GRID_ASIDE * GRID_CELL_M / 2 + _BESIDE_M):
-        return False
     facing = (_dot(lamp.facing, view.right), _dot(lamp.facing, view.forward))
     reach = _reach(lamp, facing)
     rows = _cells(ahead, reach, 0.0, GRID_AHEAD)

@@ -20,8 +20,8 @@ _PALE, _PALE_GREY = np.float32(0.7), np.float32(0.93)
 """Share of grey in mirrored sky, which is pale near the horizon, and the brightness of that grey."""
 _LAMP = np.float32(205.0)
 """Value above which a pixel counts as a lamp."""
-_HASH = np.uint32(2654435761)
-"""Multiplier of Knuth's multiplicative hash; numba computes the product in 64 bits."""
+_HASH = np.uint64(2654435761)
+"""Multiplier of Knuth's multiplicative hash."""
 
 
 @Kernel
@@ -35,10 +35,10 @@ def add_reflections(
 ) -> None:
     """Reflect objects and the sky in wet ground.
 
-    Column by column, the picture above the ground is mirrored at the lowest row of the background. That row
-    is not mirrored itself: reflections of upright objects are one row too high, and the rest is approximate.
-    Rough wet asphalt smears the reflection into streaks; a puddle keeps it sharp. A column without background
-    above the ground has nothing to mirror, and stays as it is.
+    Column by column, the picture is mirrored below the lowest row of what stands on the ground, or of the sky.
+    Level ground is not mirrored, nor is what is nearer than the ground that would mirror it; what is above takes
+    its place. Rough wet asphalt smears the reflection into streaks; a puddle keeps it sharp. A column of ground
+    only has nothing to mirror, and stays as it is.
 
     Args:
         image: [height, width, 3], changed in place.
@@ -50,32 +50,36 @@ def add_reflections(
     """
     height, width = depth.shape
     one, zero = np.float32(1.0), np.float32(0.0)
-    mirror_row = np.full(width, -1, np.int32)
+    foot = np.full(width, -1, np.int32)
+    is_first = np.ones(width, np.bool_)
     reflection = np.zeros((width, 3), np.float32)
     for y in range(height):
         for x in range(width):
-            distance = depth[y, x]
-            is_water = kinds[y, x] & MIRROR != 0
-            is_ground = is_water or (
-                kinds[y, x] & (GROUND | SHELTERED | SOFT) == GROUND and distance < _FARTHEST_M
-            )
-            if not is_ground:
-                # Rows come from top to bottom: the last one to be kept is the lowest of the background.
-                mirror_row[x] = y
-                for channel in range(3):
-                    reflection[x, channel] = np.float32(image[y, x, channel])
+            distance, kind = depth[y, x], kinds[y, x]
+            is_water = kind & MIRROR != 0
+            if not is_water and kind & GROUND == 0:
+                # Rows come from top to bottom: the last one to be kept is the lowest.
+                foot[x] = y
+                is_first[x] = True
                 continue
-            if mirror_row[x] < 0 or (not is_water and wet <= zero):
+            is_dry = kind & (SHELTERED | SOFT) != 0 or distance >= _FARTHEST_M or wet <= zero
+            if foot[x] < 0 or (is_dry and not is_water):
                 continue
-            source = max(2 * mirror_row[x] - y, 0)
             grazing = distance / (distance + _GRAZING_M)
             if is_water:
                 column, share, keep = x, _WATER + _WATER_GRAZING * grazing, _RIPPLE
             else:
-                noise = (np.uint32(y * width + x) + seed) * _HASH
-                shift = int((noise >> np.uint32(16)) % np.uint32(3)) - 1
+                noise = (np.uint64(y * width + x) + np.uint64(seed)) * _HASH
+                shift = int((noise >> np.uint64(16)) % np.uint64(3)) - 1
                 column = min(max(x + shift, 0), width - 1)
                 share, keep = wet * grazing * grazing, _SMEAR
+            source = max(2 * foot[x] + 1 - y, 0)
+            while source > 0 and (
+                kinds[source, column] & (GROUND | MIRROR) != 0 or depth[source, column] < distance
+            ):
+                source -= 1
+            if is_first[x]:
+                is_first[x], keep = False, zero
             grey = np.float32(image[source, column, 0]) + np.float32(image[source, column, 1])
             grey = (grey + np.float32(image[source, column, 2])) * np.float32(1.0 / 3.0)
             # The sky near the horizon is paler than the sky above, and water is murky.

@@ -31,7 +31,9 @@ _CELL_M = 24.0
 PLAIN, SHINING, MIRROR, GROUND, SHELTERED, SOFT = 0, 1, 2, 4, 8, 16
 """Surface flags of a triangle, added up: lamps shine in the dark, water reflects, ground gets wet,
 surfaces in a tunnel get neither rain nor sun, and grass and soil absorb what falls on them."""
-_SOFT_GROUND = frozenset({"grass", "grass_dark", "field", "crop", "earth", "soil", "turf", "hedge"})
+_SOFT_GROUND = frozenset(
+    {"grass", "grass_dark", "field", "crop", "earth", "soil", "turf", "hedge", "hill"}
+)
 """Colours and textures of soft ground."""
 _LEVEL = 0.6
 """Upward component of the normal above which ground counts as ground, not as a kerb or a bank's side."""

@@ -28,8 +28,8 @@ _PLAIN = {
     if name not in EMISSIVE and name != "tyre"
 }
 """Colours that get dirty, by their place in the atlas."""
-_CRUSHED = 0.42
-"""Share of its half that a crushed end of a vehicle loses, at most."""
+_CRUSHED = 0.273
+"""Share of its half that a crushed end of a vehicle loses, at most, but for its folds."""
 _INTACT = 0.35
 """Share of its half that stays as it is."""
 _MOVED_M = 1e-9
@@ -110,7 +110,7 @@ def _noise(points: Array, key: int) -> Array:
 
 
 def _dirtied(mesh: Mesh) -> Mesh:
-    """Return the mesh with mud that thins out upwards, on everything but lamps and prints."""
+    """Return the mesh with mud that thins out upwards, on everything but lamps, prints and tyres."""
     mesh = _divided(mesh)
     uvs = mesh.uvs.reshape(-1, 3, 2).copy()
     centres = mesh.vertices.reshape(-1, 3, 3).mean(axis=1)
@@ -143,7 +143,10 @@ def _with_mud(colour: Colour, share: float) -> str:
 
 
 def _crushed(mesh: Mesh, end: float) -> Mesh:
-    """Return the mesh with its front (1) or rear (-1) end pushed in, folded and askew."""
+    """Return the mesh with its front (1) or rear (-1) end pushed in, folded and askew.
+
+    The left side loses most. Wheels are squeezed like all else, and end at the ground.
+    """
     mesh = _divided(mesh)
     half, side = float(np.abs(mesh.vertices[:, 0]).max()), float(np.abs(mesh.vertices[:, 1]).max())
 
@@ -151,7 +154,7 @@ def _crushed(mesh: Mesh, end: float) -> Mesh:
         ahead = np.maximum(end * points[:, 0] / half - _INTACT, 0.0) / (1.0 - _INTACT)
         askew = 0.7 + 0.3 * points[:, 1] / side
         folds = [_noise(points, key) - 0.5 for key in (2, 3, 4)]
-        depth = _CRUSHED * 0.65 * half * askew * ahead + 0.16 * ahead * folds[0]
+        depth = _CRUSHED * half * askew * ahead + 0.16 * ahead * folds[0]
         bulge = 4.0 * ahead * np.maximum(1.0 - ahead, 0.0)
         height = np.clip((points[:, 2] - 0.55) / 0.3, 0.0, 1.0)
         x = points[:, 0] - end * depth

@@ -161,6 +161,8 @@ def test_the_ground_beside_a_junction_is_paved():
     is_inside = np.abs(road.s - 200.0) < 20.0
     ground = Probe(replace(road, in_junction=is_inside), "residential")
     for x in (190.0, 200.0, 210.0):
-        assert ground.surfaces(x + OFF, -WIDTH - 1.5) == ["paving"]
+        for away in (0.5, 1.5, 2.0):
+            assert ground.surfaces(x + OFF, -WIDTH - away - OFF) == ["paving"]
+            assert ground.surfaces(x + OFF, away + OFF) == ["paving"]
         assert ground.surfaces(x + OFF, -WIDTH - 3.5) == ["turf"]
     assert ground.surfaces(250.0 + OFF, -WIDTH - 1.5) == ["turf"]

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from oodscen_pybullet._land import marks
-from oodscen_pybullet._land.course import RoadCourse
+from oodscen_pybullet._land.course import RoadCourse, piece_length
 from oodscen_pybullet._land.ground import Ground
 from oodscen_pybullet._land.ribbons import Ribbons
 from oodscen_pybullet._land.ways import Way
@@ -49,7 +49,7 @@ def area(points) -> PaintedArea:
     return PaintedArea("crosswalk", np.array(points, np.float64))
 
 
-PAINT = st.sampled_from(["solid", "broken", "none"])
+PAINT = st.sampled_from(["solid", "broken", "curb", "none"])
 PLACES = st.lists(st.floats(1.0, LENGTH_M - 1.0), max_size=4, unique=True).map(sorted)
 
 
@@ -78,12 +78,18 @@ def test_a_line_between_directions_is_double_where_it_is_solid():
     assert not middle.single[is_late].any()
 
 
-@pytest.mark.parametrize("start", ["curb", "broken"])
-def test_an_edge_has_a_kerb_all_along_or_nowhere(start):
-    rows = [(0.0, start, "none"), (120.0, "broken" if start == "curb" else "curb", "none")]
-    _, edge, _ = marks._edge_marks(way_of(road(lane(start, rows), lane("none"))))
-    _, same, _ = marks._edge_marks(way_of(road(lane(start), lane("none"))))
-    assert (edge.single == same.single).all()
+@given(st.floats(0.0, 100.0), st.floats(6.0, 150.0), st.sampled_from([8.0, 30.0]))
+def test_dashes_and_gaps_have_one_length_on_any_road(first, length, speed_limit):
+    bent = replace(road(lane("broken")), speed_limit=speed_limit)
+    is_tight = (bent.s > 90.0) & (bent.s < 110.0)
+    bent = replace(bent, curvature=np.where(is_tight, 0.02, 0.0))
+    course = RoadCourse.between(bent, first, first + length)
+    dash = piece_length(bent)
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], marks._dashes(course, dash), [False]])))
+    # The last piece, which takes what is left of the road, may be longer.
+    lengths = np.diff([s for s in course.s[ends] if s < course.s[-1] - 1.6 * dash])
+    assert lengths[::2] == pytest.approx(dash)
+    assert lengths[1::2] == pytest.approx(2.0 * dash)
 
 
 CROSSWALK = [(100.0, 0.0), (104.0, 0.0), (104.0, 7.0), (100.0, 7.0)]

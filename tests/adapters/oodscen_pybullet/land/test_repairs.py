@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from oodscen_pybullet._land.course import RoadCourse
 from oodscen_pybullet._land.ground import Ground
 from oodscen_pybullet._land.repairs import add_repairs_and_manholes
 from oodscen_pybullet._land.ribbons import Ribbons
@@ -17,13 +18,16 @@ S = np.linspace(0.0, 900.0, 901)
 FLAT = np.zeros(len(S))
 
 
-def repaired(width: float, seed: int, *, speed_limit: float = 14.0, structures=()):
+STRAIGHT = Corridor(
+    s=S, x=S, y=FLAT, z=FLAT, cos=FLAT + 1.0, sin=FLAT, curvature=FLAT,
+    strips=(LaneStrip("driving", 1, FLAT - 3.5, FLAT, "solid"),), start=60.0, speed_limit=14.0,
+)  # fmt: skip
+
+
+def repaired(width: float, seed: int, *, speed_limit: float = 14.0, structures=(), z=FLAT):
     """Return the mesh of the repairs."""
-    road = Corridor(
-        s=S, x=S, y=FLAT, z=FLAT, cos=FLAT + 1.0, sin=FLAT, curvature=FLAT,
-        strips=(LaneStrip("driving", 1, FLAT - width, FLAT, "solid"),), start=60.0,
-        speed_limit=speed_limit,
-    )  # fmt: skip
+    lane = LaneStrip("driving", 1, FLAT - width, FLAT, "solid")
+    road = replace(STRAIGHT, strips=(lane,), speed_limit=speed_limit, z=z)
     way = Ground(replace(road, structures=structures)).ego
     ribbons = Ribbons(way.course)
     add_repairs_and_manholes(way, ribbons, np.random.default_rng(seed))
@@ -54,3 +58,18 @@ def test_none_begins_in_a_tunnel_or_reaches_into_it(seed: int) -> None:
 def test_fast_roads_have_no_manholes(speed_limit: float, has_covers: bool) -> None:
     uvs = np.concatenate([repaired(3.5, seed, speed_limit=speed_limit).uvs for seed in range(5)])
     assert bool((uvs == swatch_uv("asphalt_light")).all(axis=1).any()) == has_covers
+
+
+@pytest.mark.parametrize(
+    "height", [-0.06 * S, 0.0008 * (S - 400.0) ** 2, -0.0008 * (S - 400.0) ** 2]
+)
+def test_all_lie_on_asphalt_that_slopes_and_bends(height: np.ndarray) -> None:
+    for seed in range(5):
+        mesh = repaired(3.5, seed, z=height)
+        course = RoadCourse.of(replace(STRAIGHT, z=height))
+        corners = mesh.vertices[mesh.triangles]
+        shares = np.array([(a, b, 4 - a - b) for a in range(5) for b in range(5 - a)]) / 4.0
+        points = np.einsum("pk,nkd->npd", shares, corners).reshape(-1, 3)
+        above = points[:, 2] - np.interp(points[:, 0], course.s, course.z)
+        assert above.min() > 0.0
+        assert above.max() < 0.01

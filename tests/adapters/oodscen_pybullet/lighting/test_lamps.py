@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from oodscen_pybullet._lighting.lamps import ground_light
@@ -36,3 +37,15 @@ def test_street_lamps_light_what_is_below_them_most(ahead: float, aside: float) 
     assert abs(row * 0.5 - far) < 0.6
     assert abs((column - 80) * 0.5 - place) < 0.6
     assert (grid[..., 0] >= grid[..., 2]).all()
+
+
+@pytest.mark.parametrize(("start", "step", "facing"), [(100.0, 0.25, -1.0), (-20.0, -0.25, 1.0)])
+def test_a_headlamp_outside_the_grid_fades_in(start: float, step: float, facing: float) -> None:
+    brightest = []
+    for index in range(200):
+        place = (start + step * index, 0.0, 0.7)
+        grid = ground_light(VIEW, [Lamp(place, (1.0, 1.0, 1.0), (facing, 0.0, 0.0), 4.0)], NIGHT)
+        brightest.append(0.0 if grid is None else float(grid.max()))
+    assert brightest[0] > 0.1
+    assert brightest[-1] == 0.0
+    assert np.abs(np.diff(brightest)).max() < 0.02

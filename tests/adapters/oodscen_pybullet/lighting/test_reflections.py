@@ -1,5 +1,7 @@
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from oodscen_pybullet._lighting.reflections import add_reflections
 from oodscen_pybullet._rendering.triangles import GROUND, MIRROR, PLAIN, SHELTERED, SOFT
 from oodscen_pybullet._rendering.view import CameraView
@@ -87,8 +89,52 @@ def test_water_mirrors_a_wall_upside_down_and_row_by_row() -> None:
     rows = graded(MIRROR, 0.0)
     assert (rows == rows[:, :1]).all()
     assert (np.diff(rows[:, 0]) <= 0).all()
-    share = rows[1:12, 0] / (95 - 5 * np.arange(1, 12))
-    assert np.ptp(share) < 0.15  # A smear of the lowest row would double it on the way.
+    share = rows[:12, 0] / (100 - 5 * np.arange(12))
+    assert np.ptp(share) < 0.06
+
+
+def layered(*layers: tuple[int, int, float, int]) -> np.ndarray:
+    """Return the brightness below layers of the picture: each one's rows, brightness, depth and kind, from the top."""
+    rows = [count for count, _, _, _ in layers]
+    bright, depth, kinds = (
+        np.repeat(column, rows) for column in list(zip(*layers, strict=True))[1:]
+    )
+    image = np.broadcast_to(bright[:, None, None], (sum(rows), 8, 3)).astype(np.uint8).copy()
+    add_reflections(
+        image,
+        np.broadcast_to(depth[:, None], (len(depth), 8)).astype(np.float32),
+        np.broadcast_to(kinds[:, None], (len(kinds), 8)).astype(np.uint8),
+        np.float32(0.6),
+        np.float32(0.0),
+        np.uint32(1),
+    )  # fmt: skip
+    return image[sum(rows[:-1]) :, :, 0].astype(int)
+
+
+@pytest.mark.parametrize("kind", [GROUND, GROUND + SOFT, GROUND + SHELTERED])
+def test_level_ground_is_not_mirrored(kind: int) -> None:
+    wall, road = (20, 90, 60.0, PLAIN), (20, 0, 30.0, GROUND)
+    assert (layered(wall, (5, 255, 55.0, kind), road)[5:] <= layered(wall, road)[5:] + 1).all()
+
+
+def test_ground_mirrors_nothing_that_is_nearer_than_itself() -> None:
+    wall, road = (20, 90, 60.0, PLAIN), (20, 0, 30.0, GROUND)
+    crown = (5, 255, 25.0, PLAIN)
+    assert layered(wall, crown, road).max() < 30
+    assert layered(wall, (5, 255, 35.0, PLAIN), road).max() > 70
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 2**20 - 1), st.sampled_from([0.0, 0.62]), st.sampled_from([0.0, 5.0]))
+def test_plain_and_compiled_code_give_the_same_bits(seed: int, wet: float, gain: float) -> None:
+    rng = np.random.default_rng(seed)
+    image = rng.integers(0, 256, (24, 16, 3), np.uint8)
+    depth = rng.uniform(1.0, 600.0, (24, 16)).astype(np.float32)
+    kinds = rng.choice([PLAIN, GROUND, MIRROR, GROUND + SOFT], (24, 16)).astype(np.uint8)
+    plain = image.copy()
+    for picture, run in ((image, add_reflections), (plain, add_reflections.plain)):
+        run(picture, depth, kinds, np.float32(wet), np.float32(gain), np.uint32(seed))
+    assert (image == plain).all()
 
 
 def test_a_rough_road_scatters_what_it_mirrors_by_its_seed() -> None:
