@@ -98,9 +98,10 @@ class PlaceScenario(Prompt[PlacedScenario]):
         if answer.decision in ("not-ood", "off-topic"):
             return []
         by_id = {node.id: node for node in self.nodes}
-        node = by_id.get(answer.node or "")
+        named = answer.node or ""
+        node = by_id.get(named)
         if node is None:
-            return [Issue("node", f"{answer.node[:80]!r} is not an id of the tree")]
+            return [Issue("node", f"{named[:80]!r} is not an id of the tree")]
         return [*self._node_issues(answer, node), *label_issues(answer, self.nodes)]
 
     def _node_issues(self, answer: PlacedScenario, node: Node) -> list[Issue]:
