@@ -64,6 +64,8 @@ class ServerActor:
     """Ids of the actors that it was still touching at the end of the last tick."""
     staged: str = ""
     """Id of the body of the staged scene that it is; empty for a client's own."""
+    name: str = ""
+    """Name in pictures, by which its paint is chosen; no other actor has it."""
     spawned_at: float = 0.0
     """Time of the simulation when it was spawned, s."""
     is_placed: bool = False

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from typing import NamedTuple
 
 from oodscen.data import (
@@ -25,9 +25,8 @@ from oodscen_carla.server._values import Transform
 _HEADLAMPS = VehicleLight.POSITION | VehicleLight.LOW_BEAM | VehicleLight.HIGH_BEAM
 _BRAKING_MPS2 = -9.0
 """Acceleration at which every simulator shows brake lamps, m/s^2."""
-_USUAL_ROLES = ("", "default", "autopilot")
-"""Roles that clients give to many vehicles."""
-_LONGEST_NAME = 60
+_ROLE = re.compile(r"(?!(?:ego|default|autopilot|a\d+)$)[a-z0-9][a-z0-9_-]{0,40}")
+"""Matches roles that can be the id of an actor in a scene, but for those that clients give to many vehicles."""
 
 
 class LitVehicle(NamedTuple):
@@ -47,10 +46,15 @@ class Motion(NamedTuple):
     """Along the heading, m/s^2."""
 
 
+def name_of(role: str, actor_id: int, taken: Container[str]) -> str:
+    """Return the name of a client's actor in pictures: its role, if that is telling and not taken."""
+    return role if _ROLE.fullmatch(role) and role not in taken else f"a{actor_id}"
+
+
 def lit_vehicles(actors: Iterable[ServerActor]) -> tuple[LitVehicle, ...]:
     """Return every vehicle with its lamps on."""
     return tuple(
-        LitVehicle(_name_of(actor), actor.blueprint.asset.id)
+        LitVehicle(actor.name, actor.blueprint.asset.id)
         for actor in actors
         if actor.blueprint.asset is not None and actor.lights & _HEADLAMPS
     )
@@ -102,16 +106,7 @@ def client_body(actor: ServerActor, place: Transform) -> PicturedBody:
     if actor.lights & VehicleLight.BRAKE:
         acceleration = min(acceleration, _BRAKING_MPS2)
     state = _state_of(actor, asset.states)
-    return PicturedBody(actor.id, _name_of(actor), asset, state, pose, actor.speed, acceleration)
-
-
-def _name_of(actor: ServerActor) -> str:
-    """Return the name by which an actor's paint is chosen: its role, if that is telling."""
-    role = actor.attributes.get("role_name", "")
-    if role in _USUAL_ROLES:
-        return f"a{actor.id}"
-    name = re.sub(r"[^A-Za-z0-9_.-]", "_", role)[:_LONGEST_NAME].lstrip("_.-")
-    return name or f"a{actor.id}"
+    return PicturedBody(actor.id, actor.name, asset, state, pose, actor.speed, acceleration)
 
 
 def _state_of(actor: ServerActor, states: Sequence[str]) -> str:

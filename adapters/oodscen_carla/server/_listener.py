@@ -29,6 +29,8 @@ AWAIT_S = 1.0
 """Maximum time that a tick waits for a stream whose token was just asked for, s."""
 _ATTEMPTS = 50
 """Number of free ports that are tried until the next one is free, too."""
+_RETRY_S = 0.05
+"""Time after a connection that could not be accepted until the next one is, s."""
 FREE_RUN_S = 0.05
 """Time between the ticks of the asynchronous mode, s."""
 
@@ -121,16 +123,22 @@ class Listener:
             time.sleep(FREE_RUN_S)
             with self._lock:
                 if self._clients and not self._world.is_synchronous:
-                    self._tick()
+                    try:
+                        self._tick()
+                    except Exception:  # The clock of all clients goes on.
+                        traceback.print_exc(file=sys.stderr)
 
     def _accept(self, listening: socket.socket, serve: Callable[[socket.socket], None]) -> None:
         while not self._is_closed:
             try:
                 connection, _ = listening.accept()
-            except OSError:
-                return
-            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            _start_thread(serve, connection)
+                connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+                _start_thread(serve, connection)
+            except (
+                OSError,
+                RuntimeError,
+            ):  # Too many files or threads are open, or the peer has gone.
+                time.sleep(_RETRY_S)
 
     def _serve_calls(self, connection: socket.socket) -> None:
         with self._lock:

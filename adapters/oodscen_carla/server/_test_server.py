@@ -85,8 +85,9 @@ class CarlaTestServer:
         assert self._process.stdout is not None
         line = self._process.stdout.readline()
         if not line.strip().isdigit():
+            process = self._process
             self.__exit__()
-            raise SimulatorError(f"the server ended at once, with exit code {self._code}")
+            raise SimulatorError(f"the server ended at once, with exit code {process.returncode}")
         self.port = int(line)
         return self
 
@@ -102,6 +103,7 @@ class CarlaTestServer:
             process.kill()
             process.wait()
         process.stdout.close()
+        self._process = None
         if self._folder is not None:
             self._folder.cleanup()
 
@@ -137,10 +139,6 @@ class CarlaTestServer:
         """End the process as a crash would."""
         self._running().kill()
         self._running().wait()
-
-    @property
-    def _code(self) -> int | None:
-        return self._running().returncode
 
     def _running(self) -> subprocess.Popen[str]:
         if self._process is None:

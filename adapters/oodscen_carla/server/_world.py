@@ -29,6 +29,7 @@ from oodscen_carla.server._depiction import (
     Motion,
     client_body,
     lit_vehicles,
+    name_of,
     staged_body,
     street_scene,
 )
@@ -150,8 +151,7 @@ class World:
             attributes = (("role_name", STRING, role), ("state", STRING, state))
             description = Description(0, blueprint.id, attributes)
             place = Transform(ZERO, ZERO)
-            actor = self._add(ServerActor(self._next_id, description, blueprint, place))
-            actor.staged = name
+            self._add(ServerActor(self._next_id, description, blueprint, place, staged=name))
         self._sync_staged_actors()
 
     def leave(self) -> list[int]:
@@ -220,6 +220,9 @@ class World:
 
     def _add(self, actor: ServerActor) -> ServerActor:
         self._next_id += 1
+        taken = {other.name for other in self.actors.values()}
+        role = actor.attributes.get("role_name", "")
+        actor.name = actor.staged or name_of(role, actor.id, taken)
         actor.spawned_at = self.time
         self.actors[actor.id] = actor
         return actor

@@ -28,7 +28,7 @@ class Band(NamedTuple):
 
 
 def kerb_medians(ribbons: Ribbons, medians: list[Band]) -> None:
-    """Add kerbs along both edges of raised medians, except between two that touch."""
+    """Add kerbs along both edges of raised medians without a lane between them, except where two touch."""
     if not medians:
         return
     where = np.array([median.where for median in medians])

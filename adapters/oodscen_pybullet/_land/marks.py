@@ -166,16 +166,19 @@ def _parts_directions(strip: LaneStrip, neighbour: LaneStrip | None) -> bool:
 
 def _bays(way: Way, ribbons: Ribbons, strip: LaneStrip, height: float, is_marked: Mask) -> None:
     """Paint the lines between the bays of a parking strip."""
-    course = way.course
+    course, half = way.course, _BAY_LINE_M
     right, left = strip_edges(way.corridor, course, strip)
-    bay = np.floor(course.s / _BAY_M)
-    is_new = np.append(True, bay[1:] > bay[:-1])
-    for row in np.flatnonzero(is_marked & (left - right > _BAY_WIDTH_M) & is_new).tolist():
-        x, y, z = float(course.x[row]), float(course.y[row]), float(course.z[row]) + height
-        cos, sin = float(course.cos[row]), float(course.sin[row])
-        first, last, half = float(right[row]), float(left[row]), _BAY_LINE_M
+    has_bays = (is_marked & (left - right > _BAY_WIDTH_M)).astype(np.float64)
+    columns = (has_bays, course.x, course.y, course.z, course.cos, course.sin, right, left)
+    count = int((course.s[-1] - course.s[0]) / _BAY_M) + 1
+    for s in (course.s[0] + _BAY_M * np.arange(count)).tolist():
+        is_bay, x, y, z, cos, sin, first, last = (
+            float(np.interp(s, course.s, column)) for column in columns
+        )
+        if is_bay < 1.0:
+            continue
         points = [
-            (x + along * cos - t * sin, y + along * sin + t * cos, z)
+            (x + along * cos - t * sin, y + along * sin + t * cos, z + height)
             for along, t in ((-half, first), (half, first), (half, last), (-half, last))
         ]
         ribbons.patch(points, "mark_worn")

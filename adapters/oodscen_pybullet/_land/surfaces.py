@@ -88,12 +88,14 @@ class _Roadbed:
     def lay(self, rng: np.random.Generator) -> Ribbons:
         """Lay all strips, and return them; the generator draws where asphalt is worn."""
         way, ribbons = self._way, self._ribbons
-        medians: list[Band] = []
+        medians: list[list[Band]] = [[]]
         if way.has_kerb:
             self._lay_below_kerbs()
         for strip in way.corridor.strips:
             right, left = strip_edges(way.corridor, way.course, strip)
             band = Band(right, left, whole_pieces((left - right) > _STRIP_M))
+            if strip.kind in DRIVABLE or strip.kind in ("rail", "sidewalk"):
+                medians.append([])
             if strip.kind in DRIVABLE:
                 self._lay_drivable(strip, band, rng)
             elif strip.kind == "rail":
@@ -103,8 +105,9 @@ class _Roadbed:
                 on_bridge = band.where & self._spanned & ~self._dark
                 raise_pavement(ribbons, band._replace(where=on_bridge))
             else:
-                medians += self._lay_verge(band)
-        kerb_medians(ribbons, medians)
+                medians[-1] += self._lay_verge(band)
+        for neighbours in medians:
+            kerb_medians(ribbons, neighbours)
         return ribbons
 
     def _lay_drivable(self, strip: LaneStrip, band: Band, rng: np.random.Generator) -> None:

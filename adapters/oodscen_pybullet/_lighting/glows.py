@@ -14,7 +14,7 @@ from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._types import F32, U8, Point
 
 _STREET_LAMPS_OFF = 0.5
-"""Daylight above which street lamps are off."""
+"""Daylight above which lamps of streets and tunnels have no halo."""
 _FARTHEST_M = 300.0
 """Distance beyond which lamps have no halo, m."""
 _BESIDE = 0.1
@@ -121,8 +121,10 @@ def add_glows(
         _add_spot(image, column, row, halo, _HALO_LIGHT * strength, lamp.colour)
 
 
-def add_glare(image: U8, view: CameraView, depth: F32, light: Light) -> None:
-    """Add the glare of a low sun ahead, in place."""
+def add_glare(
+    image: U8, view: CameraView, depth: F32, light: Light, *, is_inside: bool = False
+) -> None:
+    """Add the glare of a low sun ahead, in place; in a tunnel, whose air is in the shade, only if the sun is seen."""
     if not light.has_glare:
         return
     x, y, z = (view.eye[axis] + _SUN_M * light.sun[axis] for axis in range(3))
@@ -131,7 +133,8 @@ def add_glare(image: U8, view: CameraView, depth: F32, light: Light) -> None:
         return
     column, row, _ = place
     visible = _visible_share(depth, _PixelPlace(column, row, _SKY_M))
-    veil = _SCATTERED + (1.0 - _SCATTERED) * visible
+    scattered = 0.0 if is_inside else _SCATTERED
+    veil = scattered + (1.0 - scattered) * visible
     for disc in _GLARE:
         strength = disc.light * (veil if disc.is_veil else visible)
         _add_spot(image, column, row, view.width * disc.radius, strength, disc.colour)

@@ -50,7 +50,8 @@ def develop(picture: RawPicture) -> U8:
             np.float32(_MIRRORED_LAMPS * max(1.0 - 2.0 * light.daylight, 0.0)),
             np.uint32(picture.seed % 2**20),
         )
-    add_glare(image, view, shot.depth, light)
+    is_inside = picture.portal is not None and picture.portal.is_inside
+    add_glare(image, view, shot.depth, light, is_inside=is_inside)
     if weather.precipitation != "none":
         _ADD_DROPS[weather.precipitation](image, picture, plate.kinds)
     return image

@@ -56,6 +56,7 @@ class Site:
     state: MapState | None = None
     """Faults of the map's lamps, lights and signs."""
     lamps: list[Point] = field(default_factory=list)
+    """Heads of the lit street lamps."""
     _vertices: list[Array] = field(default_factory=list)
     _normals: list[Array] = field(default_factory=list)
     _uvs: list[Array] = field(default_factory=list)

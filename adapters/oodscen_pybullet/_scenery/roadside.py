@@ -30,7 +30,7 @@ class Scenery:
     meshes: tuple[Mesh, ...]
     """The roads, the land, the roadside objects, and tunnels and bridges."""
     lamps: tuple[Lamp, ...]
-    """The lamps of streets and tunnels, then the lit ones of traffic lights, in world coordinates."""
+    """The lit lamps of streets, those of tunnels, and the lit ones of traffic lights, in world coordinates."""
     terrain: Terrain
     """The shape of the ground, for placing objects on it."""
 

@@ -54,8 +54,7 @@ def _add_power_line(site: Site, way: Way) -> None:
                 low = (x, y, z - 0.5)
                 wires.beam(start, low, 0.03, "dark_grey").beam(low, end, 0.03, "dark_grey")
         previous = ends
-    if previous is not None:
-        site.add(tagged(wires.build(), Tag.POLES), ORIGIN, (1.0, 0.0))
+    site.add(tagged(wires.build(), Tag.POLES), ORIGIN, (1.0, 0.0))
 
 
 def _add_farm(site: Site, spot: RoadsidePlace, is_night: bool) -> None:

@@ -19,10 +19,7 @@ def streets_of(site: Site) -> list[Way]:
 def add_lamps(
     site: Site, way: Way, spacing: float, out: float, *, height: float, is_night: bool
 ) -> None:
-    """Add street lamps along a road, on alternating sides."""
-    lit, dark = (
-        furniture.street_lamp(_ARM_M, height, is_night=is_lit) for is_lit in (is_night, False)
-    )
+    """Add street lamps along a road, on alternating sides; they are lit at night unless their fault is to be dark."""
     for side in SIDES:
         for index, spot in enumerate(site.spots(way, side, spacing)):
             if index % 2 == (side > 0) or site.is_spanned(spot, 0.0):
@@ -31,9 +28,10 @@ def add_lamps(
             if not site.is_free(x, y, 0.25):
                 continue
             ahead = site.ground.locate(x, y)[0] - site.ground.corridor.start
-            is_dark = site.state is not None and site.state.is_dark(ahead)
-            _, _, z = site.stand(dark if is_dark else lit, spot, 0.0, out)
-            if not is_dark:
+            is_lit = is_night and not (site.state and site.state.is_dark(ahead))
+            lamp = furniture.street_lamp(_ARM_M, height, is_night=is_lit)
+            _, _, z = site.stand(lamp, spot, 0.0, out)
+            if is_lit:
                 site.lamps.append((*spot.beside(0.0, out - _ARM_M), z + height))
 
 

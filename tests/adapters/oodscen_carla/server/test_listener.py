@@ -1,10 +1,12 @@
 """Raw bytes on the real sockets: nothing ends the server or stays behind in it."""
 
 import re
+import resource
 import socket
 import struct
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import msgpack
@@ -79,6 +81,28 @@ def test_a_flood_of_connections_leaves_nothing_behind(server):
             if open_things(server.pid) <= before:
                 break
         assert open_things(server.pid)[0] <= before[0] + 1
+
+
+def test_too_many_open_files_do_not_make_the_server_deaf():
+    with CarlaTestServer() as server:
+        limits = resource.prlimit(server.pid, resource.RLIMIT_NOFILE)
+        resource.prlimit(
+            server.pid, resource.RLIMIT_NOFILE, (open_things(server.pid)[0], limits[1])
+        )
+        for port in (server.port, server.port + 1):
+            with socket.create_connection(("127.0.0.1", port), 20):
+                time.sleep(0.2)
+        resource.prlimit(server.pid, resource.RLIMIT_NOFILE, limits)
+        with RawClient(server.port) as client:
+            assert client.ask("version") == [[1, "0.9.16"]]
+
+
+def test_after_its_context_a_server_takes_no_fault():
+    with CarlaTestServer() as server:
+        pass
+    assert not server.is_alive
+    with pytest.raises(SimulatorError, match="inside its context only"):
+        server.fault("drop")
 
 
 def test_the_worlds_state_is_streamed_to_whoever_asks(server):

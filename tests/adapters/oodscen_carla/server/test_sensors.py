@@ -12,6 +12,7 @@ from oodscen_carla.server._values import Transform
 
 from oodscen.driving._motion.bodies import GRAVITY
 from oodscen.protocols import Camera
+from oodscen.testing import example_scene
 
 CAR, IMU, CAMERA = "vehicle.tesla.model3", "sensor.other.imu", "sensor.camera.rgb"
 COLLISION = "sensor.other.collision"
@@ -76,10 +77,7 @@ def test_a_mount_turns_what_an_imu_feels(served, rotation, felt):
 def test_an_imu_on_a_camera_on_a_car_moves_with_the_car(served):
     car = served.spawn(CAR, 100.0, 1.7)
     imu = attach(served, IMU, attach(served, CAMERA, car))
-    served.get("apply_control_to_vehicle", car, GO)
-    served.get("tick_cue")
     assert served.world.carrier_of(served.world.actors[imu]).id == car
-    served.get("destroy_actor", served.world.actors[imu].parent)
 
 
 def test_nothing_is_attached_to_no_actor(served):
@@ -126,3 +124,23 @@ def test_a_camera_looks_where_it_is_turned_to(pitch, yaw, roll, is_mounted):
     view = aimed(SIZE, (0.0,) * 4 if is_mounted else None, host, place, place, 0.0)
     for found, expected in zip(ways(view), matrix(place)[:3, :2].T.tolist(), strict=True):
         assert found == pytest.approx(expected, abs=1e-6)
+
+
+ROLES = ("ego", "Ego", "hero", "npc", "npc", "a26", "x" * 50, "", "default", "é", "-", "1")
+
+
+def test_lit_vehicles_of_any_roles_make_a_scene_and_no_two_have_one_name(served):
+    for index, role in enumerate(ROLES):
+        car = served.spawn(CAR, 10.0 + 8.0 * index, 1.7, role_name=role)
+        served.get("set_vehicle_light_state", car, 3)
+    lit = served.world.scene().actors
+    assert len({actor.id for actor in lit}) == len(lit) == len(ROLES)
+    assert {"hero", "npc", "1"} <= {actor.id for actor in lit}
+    assert {body.name for body in served.world.bodies()} == {actor.id for actor in lit}
+
+
+def test_a_clients_actor_has_no_name_of_a_staged_one(staged):
+    (name,) = (actor.id for actor in example_scene().actors)
+    car = staged.spawn(CAR, 300.0, 1.7, role_name=name)
+    names = [body.name for body in staged.world.bodies()]
+    assert names == ["ego", name, f"a{car}"]

@@ -105,3 +105,24 @@ def test_the_simulator_is_closed_after_the_tick_at_work_and_no_tick_follows(monk
     time.sleep(4.0 * FREE_RUN_S)
     assert events[-1] == "close"
     assert events.count("tick") == len(events) - 1 >= 2
+
+
+def test_a_tick_that_fails_does_not_stop_the_clock(monkeypatch, capfd):
+    whole, frames = World.advance, []
+
+    def fail_once(world):
+        frames.append(world.frame)
+        if len(frames) == 1:
+            raise ZeroDivisionError
+        whole(world)
+
+    monkeypatch.setattr(World, "advance", fail_once)
+    with (
+        serve(simulator="flat") as server,
+        socket.create_connection(("127.0.0.1", server.port), 20),
+    ):
+        until = time.monotonic() + 20.0
+        while len(frames) < 3 and time.monotonic() < until:
+            time.sleep(FREE_RUN_S)
+    assert len(frames) >= 3
+    assert "ZeroDivisionError" in capfd.readouterr().err

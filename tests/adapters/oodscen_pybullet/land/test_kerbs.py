@@ -5,9 +5,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from oodscen_pybullet._land.course import RoadCourse
+from oodscen_pybullet._land.ground import Ground
 from oodscen_pybullet._land.kerbs import Band, kerb_medians, raise_pavement
 from oodscen_pybullet._land.ribbons import Ribbons
+from oodscen_pybullet._land.surfaces import lay_roads
 from oodscen_pybullet._meshes.atlas import swatch_uv
+
+from oodscen.driving._roads.corridor import Corridor, LaneStrip
 
 PIECES = 6
 PLACES = st.lists(st.booleans(), min_size=PIECES, max_size=PIECES)
@@ -48,6 +52,26 @@ def test_two_medians_that_touch_have_no_kerb_between_them() -> None:
     kerb_medians(laid, [band(-1.0, 0.0, everywhere), band(0.0, 1.0, everywhere)])
     edges = np.abs(faces(laid, "kerb")[:, :, 1])
     assert edges.min() == pytest.approx(1.0 - 0.16)
+
+
+def test_medians_beside_a_lane_have_kerbs_of_their_own_and_leave_the_lane_free() -> None:
+    s = np.linspace(0.0, 240.0, 241)
+    edges = (("driving", -6.0, -3.0), ("median", -3.0, -2.0), ("driving", -2.0, 2.0),
+             ("median", 2.0, 3.0), ("driving", 3.0, 6.0))  # fmt: skip
+    strips = [
+        LaneStrip(kind, 0, 0.0 * s + low, 0.0 * s + high, "none") for kind, low, high in edges
+    ]
+    road = Corridor(
+        s=s, x=s, y=0.0 * s, z=0.0 * s, cos=0.0 * s + 1.0, sin=0.0 * s, curvature=0.0 * s,
+        strips=tuple(strips), start=60.0, speed_limit=8.0,
+    )  # fmt: skip
+    mesh = lay_roads(Ground(road), "urban", np.random.default_rng(0))
+    corners = mesh.vertices[mesh.triangles]
+    y = corners[(corners[:, :, 2] > 0.05).any(axis=1)][:, :, 1]
+    assert not ((y.min(axis=1) < 1.9) & (y.max(axis=1) > -1.9)).any()
+    is_side = np.ptp(y, axis=1) < 0.01
+    for edge in (-3.0, -2.0, 2.0, 3.0):
+        assert (np.abs(y[is_side] - edge) < 0.01).any()
 
 
 def test_no_medians_have_no_kerbs() -> None:

@@ -126,6 +126,14 @@ def glare(depth: float) -> np.ndarray:
     return image.astype(int)
 
 
+def test_a_tunnel_has_glare_only_where_the_sun_is_seen() -> None:
+    for depth, is_seen in ((400.0, True), (390.0, False)):
+        image = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
+        far = np.full((HEIGHT, WIDTH), depth, np.float32)
+        add_glare(image, VIEW, far, LOW_SUN, is_inside=True)
+        assert (image == (glare(depth) if is_seen else 0)).all()
+
+
 def test_a_hidden_sun_leaves_a_part_of_its_veil() -> None:
     seen, hidden = glare(400.0), glare(390.0)
     assert seen.max() == 255

@@ -1,20 +1,24 @@
 import math
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 import pytest
 from oodscen_pybullet._land.ground import Ground
+from oodscen_pybullet._land.terrain import Terrain
 from oodscen_pybullet._meshes.atlas import draw_atlas, swatch_uv
 from oodscen_pybullet._meshes.tags import Tag
 from oodscen_pybullet._rendering.triangles import Triangles
 from oodscen_pybullet._scenery.furniture import LIMITS, speed_sign
+from oodscen_pybullet._scenery.placing import Site
 from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
 from oodscen_pybullet._scenery.signals import limit_of, replaced_signals
 from oodscen_pybullet._scenery.structures import CEILING_M
+from oodscen_pybullet._scenery.themes.country import _add_power_line
 
 from oodscen.data._catalogue import RoadMap
 from oodscen.driving._roads.building import load_corridor
-from oodscen.driving._roads.corridor import Corridor, RoadSignal
+from oodscen.driving._roads.corridor import Corridor, RoadSignal, Structure
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 
 each_map = pytest.mark.parametrize("road", SHIPPED_MAPS, ids=lambda road: road.id)
@@ -96,11 +100,26 @@ def test_scenery_depends_on_the_seed_alone() -> None:
     assert one.meshes[2].vertices.shape != other.meshes[2].vertices.shape
 
 
-def test_windows_are_lit_at_night() -> None:
+def test_windows_and_street_lamps_are_lit_at_night() -> None:
     road = SHIPPED_MAPS[1]
     corridor = load_corridor(road)
     day, night = (build_scenery(corridor, road, 0, is_night=dark) for dark in (False, True))
     assert len(night.meshes[2].triangles) > len(day.meshes[2].triangles)
+    assert not any(lamp.is_street for lamp in day.lamps)
+    assert any(lamp.is_street for lamp in night.lamps)
+
+
+@pytest.mark.parametrize("end", [1_100.0, 2_000.0])
+def test_power_lines_have_wires_also_where_the_last_pole_has_no_room(end: float) -> None:
+    road = next(road for road in SHIPPED_MAPS if road.id == "rural_curve")
+    bridge = Structure("bridge", end, end + 200.0)
+    ground = Ground(replace(load_corridor(road), structures=(bridge,)))
+    rng = np.random.default_rng(0)
+    site = Site(ground, Terrain(ground, "rural", rng), rng)
+    _add_power_line(site, ground.ego)
+    mesh = site.mesh()
+    spans = np.ptp(mesh.vertices[mesh.triangles], axis=1).max(axis=1)
+    assert (spans > 15.0).sum() > 100
 
 
 @each_map
