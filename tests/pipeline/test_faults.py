@@ -275,8 +275,8 @@ def test_an_estimate_counts_the_calls_that_are_left(tmp_path, quiet):
     assert not (tmp_path / "none").exists()
 
 
-@pytest.mark.parametrize(("frames", "withheld"), [(3, ("both",)), (4, ())])
-def test_an_estimate_counts_the_calls_of_both_protocols(tmp_path, frames, withheld):
+@pytest.mark.parametrize("frames", [3, 4])
+def test_an_estimate_counts_the_calls_of_both_protocols(tmp_path, frames):
     answers = {
         "describe-frame": {"description": "a road"},
         "name-aspect": {"is_ood": True, "aspect": "something odd", "confidence": 0.8},
@@ -286,7 +286,7 @@ def test_an_estimate_counts_the_calls_of_both_protocols(tmp_path, frames, withhe
     }
     models = {name: ScriptedLLM(answers, name=name) for name in ("both", "paper")}
     changes = {"protocols": ("ours", "paper"), "asked": {"paper": ("paper",)}, "frames": frames}
-    config = SMALL.model_copy(update={"vlms": (*models,), "withheld": withheld, **changes})
+    config = SMALL.model_copy(update={"vlms": (*models,), **changes})
     rows = estimate(tmp_path / "study", config, RunOptions(models=models))
     calls = {row.group[1]: row.calls for row in rows if row.group[0] == "evaluate"}
     study = run_study(tmp_path / "study", config, models=models)
