@@ -8,7 +8,7 @@ import numpy as np
 from oodscen._display import Brief
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._episode import NOMINAL_REACTION_S
-from oodscen.data._scene import MAX_TRIGGER, Scene, Trigger
+from oodscen.data._scene import MAX_TRIGGER, Behaviour, Scene, Trigger
 from oodscen.driving import MirrorSimulator
 from oodscen.driving._motion.actions import Cruise, action_driver, is_available
 from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER
@@ -136,6 +136,8 @@ class Reactions(Brief):
     """Step at which each actor's trigger fired in the nominal run."""
     mindful: frozenset[str]
     """Actors whose courses depend on the ego before any trigger."""
+    behaviours: dict[str, Behaviour]
+    """The behaviour of each actor as the built-in one that it is or is like, with all its parameters."""
 
 
 def replayed(scene: Scene, simulator: Simulator, action: str, seed: int) -> RecordedRun:
@@ -174,7 +176,8 @@ def reactions(scene: Scene, catalogue: Catalogue, seed: int) -> Reactions:
     triggered = _trigger_steps(nominal, simulator)
     steps = len(nominal.time) - 1
     untriggered = _without_triggers(scene)
-    has_early_movers = any(actor.behaviour.name in MOVES_BEFORE_TRIGGER for actor in scene.actors)
+    behaviours = _built_in_behaviours(scene, catalogue)
+    has_early_movers = any(does.name in MOVES_BEFORE_TRIGGER for does in behaviours.values())
     reacting = {actor.id for actor in scene.actors if actor.behaviour.trigger.kind != "time"}
     if not reacting:
         quiet = nominal
@@ -183,7 +186,7 @@ def reactions(scene: Scene, catalogue: Catalogue, seed: int) -> Reactions:
     else:
         quiet = _resting(nominal, reacting)
     if not has_early_movers:
-        return Reactions(nominal, quiet, triggered, frozenset())
+        return Reactions(nominal, quiet, triggered, frozenset(), behaviours)
     stopped = _driven(untriggered, simulator, action_driver("stop"), seed, steps)
     mindful = _differing(quiet, stopped) - {"ego"}
     # A blind ego drives through whatever is ahead, which would then mind it.
@@ -194,7 +197,20 @@ def reactions(scene: Scene, catalogue: Catalogue, seed: int) -> Reactions:
         _replaced(quiet, stopped, ahead),
         triggered,
         frozenset(mindful),
+        behaviours,
     )
+
+
+def _built_in_behaviours(scene: Scene, catalogue: Catalogue) -> dict[str, Behaviour]:
+    """Return the behaviours of actors by built-in names, with the defaults of their own parameters."""
+    kinds = {kind.id: kind for kind in catalogue.for_scene(scene).behaviours}
+    behaviours = {}
+    for actor in scene.actors:
+        kind, given = kinds[actor.behaviour.name], actor.behaviour.parameters
+        defaults = {name: parameter.default for name, parameter in kind.parameters.items()}
+        built_in = {"name": kind.built_in, "parameters": {**defaults, **given}}
+        behaviours[actor.id] = actor.behaviour.model_copy(update=built_in)
+    return behaviours
 
 
 def _trigger_steps(run: RecordedRun, simulator: UnrenderedSimulator) -> dict[str, int]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from oodscen._arguments import checked
 from oodscen.data._base import Data
-from oodscen.data._catalogue import Asset, Catalogue, RoadMap
+from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap
 from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG, FOG_M, Actor, Precipitation, Scene, Weather
 from oodscen.driving._motion.behaviours import BUILT_IN
 from oodscen.driving._roads.building import find_map, load_corridor
@@ -123,7 +123,8 @@ def scene_tags(scene: Scene, catalogue: Catalogue) -> dict[str, float | None]:
         asset = catalogue.asset(actor.asset)
         lane = neighbour_strip(road, ego_strip(road, scene.ego.lane), actor.placement.lane)
         direction = road.strips[lane].direction
-        tags |= dict.fromkeys((*_body_tags(asset), *_motion_tags(actor, asset, direction)))
+        kind = catalogue.behaviour(actor.behaviour.name)
+        tags |= dict.fromkeys((*_body_tags(asset), *_motion_tags(actor, asset, kind, direction)))
     return dict(sorted(tags.items()))
 
 
@@ -282,20 +283,21 @@ def _body_tags(asset: Asset) -> Iterator[str]:
         yield "FixedStructureVegetation"
 
 
-def _motion_tags(actor: Actor, asset: Asset, direction: int) -> Iterator[str]:
+def _motion_tags(actor: Actor, asset: Asset, kind: BehaviourKind, direction: int) -> Iterator[str]:
     """Yield the motion of an actor; objects that only lie there have none.
 
     `direction` is that of its lane: +1 with the ego, -1 oncoming.
     """
-    if classified(asset)[0] == "MiscObject" and actor.behaviour.name == "stand":
+    if classified(asset)[0] == "MiscObject" and kind.built_in == "stand":
         return
-    row = BUILT_IN.get(actor.behaviour.name)
+    row = BUILT_IN.get(kind.built_in)
     if row is None:
         return
     yield from row.tags
     if row.plain_action == "lane_change":
         # A scene counts lanes as the ego sees them, the ontology as the actor does.
-        lanes = direction * actor.behaviour.parameters.get("lanes", 1.0)
+        default = kind.parameters["lanes"].default if "lanes" in kind.parameters else 0.0
+        lanes = direction * actor.behaviour.parameters.get("lanes", default)
         if math.cos(math.radians(actor.placement.heading_deg)) < 0.0:
             lanes = -lanes
         if lanes:

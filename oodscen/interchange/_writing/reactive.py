@@ -34,7 +34,7 @@ def write_reactive(
     """Append a storyboard whose actors answer the ego; the ego's group is the last."""
     board = Storyboard(parent, scene, "reactive")
     writer = _ReactionWriter(scene, entities, run, corridor)
-    following = followers(scene, run)
+    following = followers(run)
     for row, entity in enumerate(entities):
         source = run.nominal if row == 0 else run.quiet
         pose = reference_poses(source, row, entity, corridor)[0]
@@ -50,7 +50,7 @@ def write_reactive(
     board.end(float(run.nominal.time[-1]))
 
 
-def followers(scene: Scene, run: Reactions) -> frozenset[str]:
+def followers(run: Reactions) -> frozenset[str]:
     """Return the actors behind the ego in its lane whose courses depend on it."""
     starts = run.quiet.places[0].tolist()
     ego_s, ego_t = starts[0]
@@ -59,13 +59,13 @@ def followers(scene: Scene, run: Reactions) -> frozenset[str]:
         for name, (s, t) in zip(run.quiet.ids, starts, strict=True)
         if s < ego_s and abs(t - ego_t) < _BESIDE_M
     }
-    drivers = {actor.id for actor in scene.actors if actor.behaviour.name in MOVES_BEFORE_TRIGGER}
+    drivers = {name for name, does in run.behaviours.items() if does.name in MOVES_BEFORE_TRIGGER}
     return frozenset(run.mindful & behind & drivers)
 
 
 def approximate(scene: Scene, run: Reactions) -> dict[str, str]:
     """Return, by actor, why a reactive file does not have its exact course for every ego."""
-    following = followers(scene, run)
+    following = followers(run)
     reasons = {}
     for name in sorted(run.mindful):
         if name in following:
@@ -74,9 +74,9 @@ def approximate(scene: Scene, run: Reactions) -> dict[str, str]:
             )
         else:
             reasons[name] = "would mind an ego in its way; its course does not"
-    for actor in scene.actors:
-        if actor.behaviour.name == "overtake":
-            reasons[actor.id] = "passes the ego on a recorded course from its trigger on"
+    for name, does in run.behaviours.items():
+        if does.name == "overtake":
+            reasons[name] = "passes the ego on a recorded course from its trigger on"
     motions = {motion.id: motion for motion in scene.motions}
     for actor in scene.actors:
         motion = motions.get(actor.behaviour.name)
@@ -125,7 +125,7 @@ class _ReactionWriter:
     def write(self, board: Storyboard, row: int, actor: Actor) -> None:
         """Append the maneuver of one actor, unless it never moves."""
         entity, run = self.entities[row], self.run
-        behaviour = actor.behaviour
+        behaviour = run.behaviours[actor.id]
         reacts = behaviour.name not in WITHOUT_TRIGGER and behaviour.trigger.kind != "time"
         source = run.quiet if reacts else run.nominal
         before = reference_poses(source, row, entity, self.corridor)
@@ -145,7 +145,7 @@ class _ReactionWriter:
         self, maneuver: Element, actor: Actor, entity: Entity, step: int, poses: Floats
     ) -> None:
         name, time = entity.name, self.run.nominal.time[step:] - self.run.nominal.time[step]
-        has_moved = self._moves_before(actor.behaviour.name)
+        has_moved = self._moves_before(actor)
         opening = f"react_{name}_0"
         for number, (first, last) in enumerate(phases(poses)):
             first = 0 if number == 0 else first
@@ -172,6 +172,8 @@ class _ReactionWriter:
                 write_speed(child(action, "PrivateAction"), 0.0)
                 after_event(rest, f"done_{label}", label)
 
-    def _moves_before(self, behaviour: str) -> bool:
+    def _moves_before(self, actor: Actor) -> bool:
         """Return whether an actor has left its initial pose when its reaction starts."""
-        return behaviour in MOVES_BEFORE_TRIGGER or behaviour == "fall" or behaviour in self.moving
+        behaviour = self.run.behaviours[actor.id].name
+        is_moving = behaviour in MOVES_BEFORE_TRIGGER or behaviour == "fall"
+        return is_moving or actor.behaviour.name in self.moving

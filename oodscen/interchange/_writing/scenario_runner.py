@@ -35,10 +35,6 @@ _ACTIONS = {name: row.plain_action for name, row in BUILT_IN.items() if row.plai
 _EGO_BLUEPRINT = "vehicle.lincoln.mkz_2017"
 _END_S = 60.0
 """Time at which the storyboard ends, s."""
-_WALK_MPS = 1.4
-"""Speed of an actor whose behaviour gives none, m/s."""
-_LANES, _CHANGE_S = 1.0, 2.0
-"""Lanes to the left by which an actor moves over whose behaviour gives none, and its time for that, s."""
 _SHORTEST_CHANGE_M = 5.0
 """Least distance over which an actor changes lanes, m."""
 
@@ -46,11 +42,12 @@ _SHORTEST_CHANGE_M = 5.0
 def unplayable(scene: Scene, run: Reactions) -> list[Issue]:
     """Return why ScenarioRunner cannot play a scene, by actor; empty if it can."""
     issues = []
-    following = followers(scene, run)
+    following = followers(run)
     for index, actor in enumerate(scene.actors):
-        name, where = actor.behaviour.name, f"actors[{index}].behaviour"
+        name, where = run.behaviours[actor.id].name, f"actors[{index}].behaviour"
         if name not in _ACTIONS:
-            issues.append(Issue(where, f"ScenarioRunner has no action for {name!r}"))
+            fault = f"ScenarioRunner has no action for {actor.behaviour.name!r}"
+            issues.append(Issue(where, fault))
         elif actor.id in following:
             issues.append(Issue(where, f"ScenarioRunner cannot make {actor.id!r} follow the ego"))
         elif _ACTIONS[name] == "walk" and actor.behaviour.other is not None:
@@ -77,15 +74,15 @@ def write_for_scenario_runner(
     actions = within(board, "Init", "Actions")
     write_environment(actions, scene.weather, minor=0)
     act = child(child(board, "Story", name="scene"), "Act", name="act")
-    walkers = {actor.id for actor in scene.actors if _ACTIONS[actor.behaviour.name] == "walk"}
+    actions_by_name = {name: _ACTIONS[does.name] for name, does in run.behaviours.items()}
     starts = zip(entities, run.nominal.poses[0], run.nominal.speeds[0], strict=True)
     for entity, pose, speed in starts:
         private = child(actions, "Private", entityRef=entity.name)
         _write_position(within(private, "PrivateAction", "TeleportAction"), pose)
-        if entity.name not in walkers and speed > 0.0:
+        if actions_by_name.get(entity.name) != "walk" and speed > 0.0:
             write_speed(child(private, "PrivateAction"), float(speed))
     for actor in scene.actors:
-        if _ACTIONS[actor.behaviour.name] != "none":
+        if actions_by_name[actor.id] != "none":
             _write_actor(act, actor, scene, run, corridor)
     if not len(act):
         maneuver_group(act, "ego")  # An Act must have a group.
@@ -132,15 +129,16 @@ def _write_actor(
     act: Element, actor: Actor, scene: Scene, run: Reactions, corridor: Corridor
 ) -> None:
     """Append the group of one actor: its action at its trigger, and a stop after the distance that it walks."""
-    behaviour, action_name = actor.behaviour, _ACTIONS[actor.behaviour.name]
+    behaviour = run.behaviours[actor.id]
+    action_name = _ACTIONS[behaviour.name]
     maneuver = child(maneuver_group(act, actor.id), "Maneuver", name=f"maneuver_{actor.id}")
     reaction, action = _event(maneuver, f"react_{actor.id}_0")
     if action_name == "lane_change":
         lane = neighbour_strip(corridor, ego_strip(corridor, scene.ego.lane), actor.placement.lane)
         direction = corridor.strips[lane].direction
-        _write_lane_change(action, actor, _initial_speed(run, actor.id), direction)
+        _write_lane_change(action, actor, run, direction)
     else:
-        target = 0.0 if action_name == "stop" else behaviour.parameters.get("speed", _WALK_MPS)
+        target = 0.0 if action_name == "stop" else behaviour.parameters.get("speed", 0.0)
         write_speed(child(action, "PrivateAction"), target)
     _write_trigger(reaction, actor, run, corridor)
     if action_name == "walk" and "distance" in behaviour.parameters:
@@ -161,14 +159,14 @@ def _initial_speed(run: Reactions, name: str) -> float:
     return float(run.nominal.speeds[0, run.nominal.ids.index(name)])
 
 
-def _write_lane_change(action: Element, actor: Actor, speed: float, direction: int) -> None:
+def _write_lane_change(action: Element, actor: Actor, run: Reactions, direction: int) -> None:
     """Append a change of lanes over the distance that the actor drives at its speed in that time.
 
     A scene counts lanes to the left of the ego, a file to the left in the direction of the actor's lane: +1 if that is
     the ego's, -1 if it is oncoming.
     """
-    parameters = actor.behaviour.parameters
-    distance_m = max(_SHORTEST_CHANGE_M, speed * parameters.get("duration", _CHANGE_S))
+    parameters, speed = run.behaviours[actor.id].parameters, _initial_speed(run, actor.id)
+    distance_m = max(_SHORTEST_CHANGE_M, speed * parameters.get("duration", 0.0))
     change = within(action, "PrivateAction", "LateralAction", "LaneChangeAction")
     child(
         change,
@@ -178,7 +176,7 @@ def _write_lane_change(action: Element, actor: Actor, speed: float, direction: i
         value=distance_m,
     )
     target = child(change, "LaneChangeTarget")
-    lanes = direction * round(parameters.get("lanes", _LANES))
+    lanes = direction * round(parameters.get("lanes", 0.0))
     child(target, "RelativeTargetLane", entityRef=actor.id, value=lanes)
 
 

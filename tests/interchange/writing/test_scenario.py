@@ -163,8 +163,7 @@ def test_a_change_of_lanes_in_a_file_is_as_the_actor_sees_it(tmp_path, lane, lan
         hazard=Hazard(actors={"car": None}),
         decision=Trigger(kind="time", value=1.0),
     )
-    options = {"mode": "reactive", "target": "carla-scenario-runner"}
-    file = to_openscenario(scene, catalogue(), **options)
+    file = to_openscenario(scene, catalogue(), mode="reactive", target="carla-scenario-runner")
     (own,) = etree.fromstring(file.xosc).iter("RelativeTargetLane")
     side = 1.0 if lane < 2 else -1.0  # Lanes 2 and 3 are oncoming.
     assert float(own.get("value")) == side * lanes
@@ -175,6 +174,42 @@ def test_a_change_of_lanes_in_a_file_is_as_the_actor_sees_it(tmp_path, lane, lan
     again = read_openscenario(file.save(tmp_path), catalogue()).scene.actors[0]
     assert again.behaviour.parameters["lanes"] == lanes
     assert again.placement.lane == lane
+
+
+RUNNER = {"mode": "reactive", "target": "carla-scenario-runner"}
+
+
+@pytest.mark.parametrize("name", ["cut_in", "hard_brake", "cross_road"])
+def test_a_behaviour_of_a_simulator_is_written_as_the_one_that_it_is_like(name):
+    kind = BUILT_IN[name].kind
+    own = kind.model_copy(update={"id": f"own_{name}", "like": name})
+    wider = catalogue().model_copy(update={"behaviours": (*BEHAVIOURS, own)})
+    scene = doing(kind)
+    (actor,) = scene.actors
+    behaviour = actor.behaviour.model_copy(update={"name": own.id})
+    same = scene.model_copy(update={"actors": (actor.model_copy(update={"behaviour": behaviour}),)})
+    for options in ({"mode": "reactive"}, RUNNER):
+        boards = [
+            etree.tostring(
+                etree.fromstring(to_openscenario(one, wider, **options).xosc).find("Storyboard")
+            )
+            for one in (scene, same)
+        ]
+        assert boards[0] == boards[1]
+    assert scene_tags(scene, wider) == scene_tags(same, wider)
+
+
+def test_what_a_behaviour_leaves_open_is_written_as_its_default():
+    kind = BUILT_IN["cross_road"].kind
+    scene = doing(kind)
+    (actor,) = scene.actors
+    behaviour = actor.behaviour.model_copy(update={"parameters": {}})
+    scene = scene.model_copy(
+        update={"actors": (actor.model_copy(update={"behaviour": behaviour}),)}
+    )
+    root = etree.fromstring(to_openscenario(scene, catalogue(), **RUNNER).xosc)
+    (travelled,) = names(root, "TraveledDistanceCondition", "value")
+    assert float(travelled) == kind.parameters["distance"].default
 
 
 def test_scenario_runner_plays_no_recorded_courses():
