@@ -17,9 +17,10 @@ _IRREGULAR = {
     "goose": "geese",
     "calf": "calves",
     "leaf": "leaves",
+    "ox": "oxen",
 }
 _UNCHANGED = frozenset(
-    {"deer", "sheep", "cattle", "people", "livestock", "debris", "moose", "elk", "doe"}
+    {"deer", "sheep", "cattle", "people", "livestock", "debris", "moose", "elk", "doe", "aircraft"}
 )
 _PLURAL = frozenset({"cattle", "people", "livestock"})
 
@@ -195,9 +196,8 @@ def _index() -> tuple[re.Pattern[str], dict[str, tuple[Thing, bool, str]]]:
 def plural_of(word: str) -> str:
     """Return the plural of a noun."""
     head, _, last = word.rpartition(" ")
-    first, _, rest = word.partition(" of ")
-    if rest:
-        return f"{plural_of(first)} of {rest}"
+    if phrase := re.match(r"(.+?)( (?:of|on|with) .+)", word):
+        return plural_of(phrase[1]) + phrase[2]
     if last in _UNCHANGED:
         return word
     if last in _IRREGULAR:

@@ -20,6 +20,8 @@ def test_every_name_is_found_in_a_sentence():
         ("a police car beside a car park", ["police car"]),
         ("children ran past the bus stop", ["child"]),
         ("an overturned vehicle", ["overturned car"]),
+        ("two oxen, and two residents on foot", ["cow", "person"]),
+        ("fire appliances with flashing beacons below unmanned aircraft", ["fire engine", "drone"]),
     ],
 )
 def test_the_longest_name_counts(text, expected):
