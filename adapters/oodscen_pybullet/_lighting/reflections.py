@@ -35,11 +35,11 @@ def add_reflections(
 ) -> None:
     """Reflect objects and the sky in wet ground.
 
-    Column by column, the picture is mirrored at a row: in water, at the lowest one above that shows no road, as
-    banks do not; in wet ground, at the lowest one of what stands on the ground, or of the sky. Wet ground mirrors
-    neither level ground nor what is nearer than itself: what is above in the picture takes its place. Rough wet
-    asphalt smears the reflection into streaks; a puddle keeps it sharp. A column of ground only has nothing to
-    mirror, and stays as it is.
+    Column by column, the picture is mirrored at a row. For water that is the lowest row above it that shows no
+    road, of a bank for instance. For wet ground it is the lowest row of what stands on the ground, or of the sky:
+    it mirrors neither level ground nor what is nearer than itself, and what is above them in the picture takes
+    their place. Rough wet asphalt smears the reflection into streaks; a puddle keeps it sharp. A column of ground
+    only has nothing to mirror, and stays as it is.
 
     Args:
         image: [height, width, 3], changed in place.
@@ -51,6 +51,7 @@ def add_reflections(
     """
     height, width = depth.shape
     one, zero = np.float32(1.0), np.float32(0.0)
+    # The lowest row so far that water, and that wet ground, is mirrored at; and the latter for every pixel.
     bank, foot = np.full(width, -1, np.int32), np.full(width, -1, np.int32)
     standing = np.empty((height, width), np.int32)
     is_first = np.ones(width, np.bool_)
@@ -60,7 +61,6 @@ def add_reflections(
             distance, kind = depth[y, x], kinds[y, x]
             is_water = kind & MIRROR != 0
             is_open = kind & (GROUND | SHELTERED | SOFT) == GROUND and distance < _FARTHEST_M
-            # Rows come from top to bottom: the last one to be kept is the lowest.
             if kind & (GROUND | MIRROR) == 0:
                 foot[x] = y
             standing[y, x] = foot[x]
