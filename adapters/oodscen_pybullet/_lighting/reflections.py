@@ -35,9 +35,10 @@ def add_reflections(
 ) -> None:
     """Reflect objects and the sky in wet ground.
 
-    Column by column, the picture is mirrored below the lowest row of what stands on the ground, or of the sky.
-    Level ground is not mirrored, nor is what is nearer than the ground that would mirror it; what is above takes
-    its place. Rough wet asphalt smears the reflection into streaks; a puddle keeps it sharp. A column of ground
+    Column by column, the picture is mirrored at a row. For water that is the lowest row above it that shows no
+    road, of a bank for instance. For wet ground it is the lowest row of what stands on the ground, or of the sky:
+    it mirrors neither level ground nor what is nearer than itself, and what is above them in the picture takes
+    their place. Rough wet asphalt smears the reflection into streaks; a puddle keeps it sharp. A column of ground
     only has nothing to mirror, and stays as it is.
 
     Args:
@@ -50,20 +51,24 @@ def add_reflections(
     """
     height, width = depth.shape
     one, zero = np.float32(1.0), np.float32(0.0)
-    foot = np.full(width, -1, np.int32)
+    # The lowest row so far that water, and that wet ground, is mirrored at; and the latter for every pixel.
+    bank, foot = np.full(width, -1, np.int32), np.full(width, -1, np.int32)
+    standing = np.empty((height, width), np.int32)
     is_first = np.ones(width, np.bool_)
     reflection = np.zeros((width, 3), np.float32)
     for y in range(height):
         for x in range(width):
             distance, kind = depth[y, x], kinds[y, x]
             is_water = kind & MIRROR != 0
-            if not is_water and kind & GROUND == 0:
-                # Rows come from top to bottom: the last one to be kept is the lowest.
+            is_open = kind & (GROUND | SHELTERED | SOFT) == GROUND and distance < _FARTHEST_M
+            if kind & (GROUND | MIRROR) == 0:
                 foot[x] = y
-                is_first[x] = True
+            standing[y, x] = foot[x]
+            if not (is_water or is_open):
+                bank[x], is_first[x] = y, True
                 continue
-            is_dry = kind & (SHELTERED | SOFT) != 0 or distance >= _FARTHEST_M or wet <= zero
-            if foot[x] < 0 or (is_dry and not is_water):
+            mirror_row = bank[x] if is_water else foot[x]
+            if mirror_row < 0 or (not is_water and wet <= zero):
                 continue
             grazing = distance / (distance + _GRAZING_M)
             if is_water:
@@ -73,11 +78,12 @@ def add_reflections(
                 shift = int((noise >> np.uint64(16)) % np.uint64(3)) - 1
                 column = min(max(x + shift, 0), width - 1)
                 share, keep = wet * grazing * grazing, _SMEAR
-            source = max(2 * foot[x] + 1 - y, 0)
-            while source > 0 and (
-                kinds[source, column] & (GROUND | MIRROR) != 0 or depth[source, column] < distance
-            ):
-                source -= 1
+            source = max(2 * mirror_row + 1 - y, 0)
+            if not is_water:
+                source = standing[source, column]
+                while source > 0 and depth[source, column] < distance:
+                    source = standing[source - 1, column]
+                source = max(source, 0)
             if is_first[x]:
                 is_first[x], keep = False, zero
             grey = np.float32(image[source, column, 0]) + np.float32(image[source, column, 1])

@@ -124,6 +124,11 @@ def test_ground_mirrors_nothing_that_is_nearer_than_itself() -> None:
     assert layered(wall, (5, 255, 35.0, PLAIN), road).max() > 70
 
 
+def test_water_mirrors_its_banks() -> None:
+    sky, bank, water = (20, 0, 500.0, PLAIN), (20, 200, 40.0, GROUND + SOFT), (20, 0, 30.0, MIRROR)
+    assert layered(sky, bank, water).min() > 80
+
+
 @settings(max_examples=20, deadline=None)
 @given(st.integers(0, 2**20 - 1), st.sampled_from([0.0, 0.62]), st.sampled_from([0.0, 5.0]))
 def test_plain_and_compiled_code_give_the_same_bits(seed: int, wet: float, gain: float) -> None:
