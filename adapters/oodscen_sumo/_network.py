@@ -46,23 +46,26 @@ class Networks:
         self._folder = mkdtemp(prefix="oodscen-sumo-")
         self.close = weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
         """Deletes the folder."""
-        self._files: dict[str, Path] = {}
+        self._files: dict[bytes, Path] = {}
+        """The networks by the content of their maps."""
 
     def path(self, file: str) -> Path:
         """Return the network of an OpenDRIVE file, named as in `RoadMap.file`.
 
         Raises:
+            DataError: If the file cannot be read.
             SimulatorError: If netconvert cannot be started, fails, or takes too long.
         """
-        if file not in self._files:
+        content = read_map(file)
+        if content not in self._files:
             network = Path(self._folder) / f"{len(self._files)}.net.xml"
-            self._convert(file, network)
-            self._files[file] = network
-        return self._files[file]
+            self._convert(file, content, network)
+            self._files[content] = network
+        return self._files[content]
 
-    def _convert(self, file: str, network: Path) -> None:
+    def _convert(self, file: str, content: bytes, network: Path) -> None:
         source = network.with_suffix(".xodr")
-        source.write_bytes(read_map(file))
+        source.write_bytes(content)
         files = ["--opendrive-files", str(source), "-o", str(network)]
         command = [self._netconvert, *files, *_OPTIONS]
         try:

@@ -12,7 +12,7 @@ from oodscen_sumo._simulator import FrontBumper
 
 from oodscen import make_catalogue
 from oodscen.data import Actor, Behaviour, Placement, Trigger
-from oodscen.driving._roads.building import load_corridor
+from oodscen.driving._roads.building import load_corridor, read_map
 from oodscen.errors import SceneError, SimulatorError
 from oodscen.protocols import Control
 from oodscen.testing import simulator_checks
@@ -131,6 +131,17 @@ def test_a_file_that_netconvert_refuses_is_named(tmp_path) -> None:
     with pytest.raises(SimulatorError, match="broken"):
         networks.path(str(broken))
     networks.close()
+
+
+def test_a_map_that_has_changed_has_another_network(tmp_path) -> None:
+    changing = tmp_path / "changing.xodr"
+    networks = Networks(load_sumo()[1])
+    found = []
+    for road in (AVENUE, CATALOGUE.maps[-1], AVENUE):
+        changing.write_bytes(read_map(road.file))
+        found.append(networks.path(str(changing)))
+    networks.close()
+    assert found[0] == found[2] != found[1]
 
 
 @pytest.fixture
