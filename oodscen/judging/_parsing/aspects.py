@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from oodscen._prose import fold, is_refusal
-from oodscen.judging._parsing.confidence import CONFIDENT, confidence_in, probability
+from oodscen.judging._parsing.confidence import CONFIDENT, confidence_in, one_probability
 from oodscen.judging._parsing.members import is_placeholder, members, words_in
 from oodscen.judging._parsing.reading import ParsedAnswer, Question, read
 from oodscen.judging._parsing.reasons import is_against
@@ -158,7 +158,7 @@ def _pick_detection(value: Mapping[str, Any]) -> Detected | None:
     is_ood = truths.pop()
     if is_ood is None:
         raise UnusableError(f"{str(answers[0])[:80]!r} is neither true nor false")
-    confidence = _confidence(value)
+    confidence = one_probability(members(value, _CONFIDENCE))
     if is_ood:
         aspect = _words_of_aspect(value)
         beside = aspect if names_nothing(aspect) else None
@@ -182,12 +182,6 @@ def _words_of_aspect(value: Mapping[str, Any]) -> str:
 
 def _aspects(value: Mapping[str, Any]) -> list[str]:
     return [words for member in members(value, _ASPECT) if (words := words_in(member))]
-
-
-def _confidence(value: Mapping[str, Any]) -> float | None:
-    """Return the probability that the members state; `None` if they state none, or two."""
-    stated = {probability(member) for member in members(value, _CONFIDENCE)} - {None}
-    return stated.pop() if len(stated) == 1 else None
 
 
 def _says_usual(aspect: str) -> bool:
@@ -275,6 +269,7 @@ def _aspect_after_yes(prose: str) -> str:
         rest = CONFIDENT.sub("", re.sub(r"\A\W*\w+\W*", "", prose, count=1))
         _check_short(rest)
         aspect = rest.strip(" \n.,:;!()\u2014\u2013-") if re.search(r"[^\W\d_]", rest) else ""
+        aspect += ")" * (aspect.count("(") > aspect.count(")"))
     return "" if names_nothing(aspect) else aspect
 
 
