@@ -24,6 +24,16 @@ def probability(value: object) -> float | None:
     return _share(float(number.replace(",", ".")), 100.0 if is_percent else float(whole or 1))
 
 
+def is_confidence(value: object) -> bool:
+    """Return whether a value says how sure somebody is, be it on an unknown scale or by leaving it out."""
+    if isinstance(value, str) and re.fullmatch(r"\s*\d{1,3}\s*", value):
+        value = int(value)
+    is_on_scale = (
+        isinstance(value, (int, float)) and not isinstance(value, bool) and 0 <= value <= 100
+    )
+    return value is None or is_on_scale or probability(value) is not None
+
+
 def one_probability(values: Iterable[object]) -> float | None:
     """Return the probability that several values state; `None` if they state none, or two."""
     stated = {probability(value) for value in values} - {None}

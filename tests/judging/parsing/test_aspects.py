@@ -341,3 +341,15 @@ def test_an_aspect_that_does_not_go_with_the_yes_or_no_is_noted(
 @given(st.sampled_from(["", "...", "ordinary traffic", "The road is clear."]))
 def test_an_ordinary_aspect_goes_with_no(said: str) -> None:
     assert read_aspect(json.dumps({"is_ood": False, "aspect": said})).note == "JSON"
+
+
+@pytest.mark.parametrize(
+    "said", ["Yes", "Answer: yes", "Unusual: yes", '{"is_ood": true, "aspect": null}']
+)
+def test_a_yes_without_an_aspect_is_noted_in_every_form(said):
+    assert "true without an aspect" in read_aspect(said).note
+
+
+@pytest.mark.parametrize("said", ["null", "Aspect: null", '{"aspect": "null"}'])
+def test_null_names_no_aspect(said):
+    assert read_named_aspect(said).value == ""
