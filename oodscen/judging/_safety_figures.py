@@ -26,7 +26,7 @@ class SafetyFigures(Data):
     decidable: float | None = None
     """Share of the episodes in which one action is safe and another is not."""
     base_rate: float | None = None
-    """Mean probability that a random action is safe, of those that score."""
+    """Mean probability that a random action is safe, of those that score; episodes without one are left out."""
     actions: dict[str, ActionSafety] = {}
     all_safe: tuple[str, ...] = ()
     """Scenes in which some action is safe and none is unsafe: any driver passes."""
@@ -45,11 +45,11 @@ def safety_figures(episodes: Sequence[Episode]) -> SafetyFigures:
         return SafetyFigures(n=0)
     n = len(ran)
     names = dict.fromkeys((*ACTIONS, *(name for episode in ran for name in episode.actions)))
-    rates = [episode.base_rate or 0.0 for episode in ran]
+    rates = [episode.base_rate for episode in ran if episode.base_rate is not None]
     return SafetyFigures(
         n=n,
         decidable=sum(episode.is_decidable for episode in ran) / n,
-        base_rate=sum(rates) / n,
+        base_rate=sum(rates) / len(rates) if rates else None,
         actions={name: _action_safety(name, ran) for name in names},
         all_safe=tuple(
             episode.id for episode in ran if episode.safe_set and not episode.is_decidable

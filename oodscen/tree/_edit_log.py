@@ -5,7 +5,7 @@ import threading
 from collections.abc import Iterable, Sequence
 
 from oodscen.errors import Issue
-from oodscen.tree._edits import Node, TreeEdit, added
+from oodscen.tree._edits import Node, TreeEdit, edited
 from oodscen.tree._labels import label_fault
 
 MAX_DEPTH = 50
@@ -142,21 +142,8 @@ class EditLog:
         self.born.setdefault(edit.node, len(self.log))
         self.log.append(edit)
         self.before.append(before)
-        if edit.op == "add":
-            self._put(edit.node, added(edit))
-        elif edit.op == "remove":
-            self._put(edit.node, None)
-        elif before is not None and edit.op == "broaden":
-            attested = edit.attested
-            if attested is None and edit.undoes is None:
-                attested = before.attested
-            update = {"label": edit.label, "attested": attested}
-            self._put(edit.node, before.model_copy(update=update))
-        elif before is not None and edit.op == "narrow":
-            update = {"label": edit.label, "attested": edit.attested}
-            self._put(edit.node, before.model_copy(update=update))
-        elif before is not None and edit.op == "move":
-            self._put(edit.node, before.model_copy(update={"parent": edit.parent}))
+        if edit.op != "keep":
+            self._put(edit.node, edited(edit, before))
 
     def _put(self, node_id: str, node: Node | None) -> None:
         """Replace, insert or delete one node."""

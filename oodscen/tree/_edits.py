@@ -65,3 +65,19 @@ def adding(node: Node, **more: Any) -> TreeEdit:
 def added(edit: TreeEdit) -> Node:
     """Return the node that an `add` adds."""
     return Node(id=edit.node, parent=edit.parent, label=edit.label or "", attested=edit.attested)
+
+
+def edited(edit: TreeEdit, before: Node | None) -> Node | None:
+    """Return the node after an edit, given the node before it; `None` if there is none."""
+    if edit.op == "add":
+        return added(edit)
+    if before is None or edit.op == "remove":
+        return None
+    if edit.op == "move":
+        return before.model_copy(update={"parent": edit.parent})
+    if edit.op == "keep":
+        return before
+    attested = edit.attested
+    if attested is None and edit.op == "broaden" and edit.undoes is None:
+        attested = before.attested
+    return before.model_copy(update={"label": edit.label, "attested": attested})

@@ -1,15 +1,22 @@
 """The history of a tree: earlier states, replay and undo."""
 
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from oodscen._numbers import MOST, whole_number
 from oodscen.errors import UsageError
 from oodscen.tree._edit_log import EditLog
-from oodscen.tree._edits import Node, TreeEdit, adding
+from oodscen.tree._edits import Node, TreeEdit, adding, edited
 
 if TYPE_CHECKING:
     from oodscen.tree._scenario_tree import ScenarioTree
+
+_CHANGED: Mapping[str, tuple[str, ...]] = {
+    "broaden": ("label", "attested"),
+    "narrow": ("label", "attested"),
+    "move": ("parent",),
+}
+"""The fields of a node that each kind of edit changes."""
 
 
 def replay(tree: "ScenarioTree") -> Iterator[tuple[TreeEdit, "ScenarioTree"]]:
@@ -54,7 +61,9 @@ def undo(tree: "ScenarioTree", index: int | None = None) -> "ScenarioTree":
     index = _last_in_force(tree) if index is None else whole_number("index", index, -MOST)
     if not -size <= index < size:
         raise UsageError(f"there is no edit {index}: the log has {size}")
-    return tree.apply(*_inverse(tree._edit_log(), index % size))
+    undoing = _Undoing(tree)
+    undoing.undo(index % size)
+    return tree.apply(*undoing.inverses)
 
 
 def _last_in_force(tree: "ScenarioTree") -> int:
@@ -70,17 +79,13 @@ def undo_round(tree: "ScenarioTree", round: int, *, origin: str = "") -> "Scenar
     """Undo the edits of a round that are still in force; see `ScenarioTree.undo`."""
     round = whole_number("round", round, -MOST)
     edits = tree.edits
-    undone = undone_edits(edits)
-    log = tree._edit_log()
-    inverses: list[TreeEdit] = []
+    undoing = _Undoing(tree)
     for index, edit in reversed(list(enumerate(edits))):
         is_meant = edit.round == round and edit.origin == origin and edit.undoes is None
         # A removal by another edit of the round can only be undone after that edit.
-        if is_meant and index not in undone and _is_effective(edit, log.nodes):
-            steps = _inverse(log, index)
-            log.extend(len(log.log), steps)
-            inverses += steps
-    if not inverses:
+        if is_meant and index not in undoing.undone and _is_effective(edit, undoing.log.nodes):
+            undoing.undo(index)
+    if not undoing.inverses:
         message = f"no edit of round {round}"
         if origin:
             message += f" of {origin!r}"
@@ -89,7 +94,7 @@ def undo_round(tree: "ScenarioTree", round: int, *, origin: str = "") -> "Scenar
         if others:
             message += f" (others have one: {', '.join(sorted(map(repr, others)))})"
         raise UsageError(message)
-    return tree.apply(*inverses)
+    return tree.apply(*undoing.inverses)
 
 
 def undone_edits(edits: Sequence[TreeEdit]) -> set[int]:
@@ -107,15 +112,29 @@ def undone_edits(edits: Sequence[TreeEdit]) -> set[int]:
     return undone
 
 
+def decisions(tree: "ScenarioTree") -> dict[str, list[TreeEdit]]:
+    """Return, per node, the edit that added it and the later edits in force that relabelled or confirmed it."""
+    undone = undone_edits(tree.edits)
+    by_node: dict[str, list[TreeEdit]] = {}
+    for index, edit in enumerate(tree.edits):
+        is_in_force = edit.undoes is None and index not in undone
+        if edit.op == "add" and (edit.undoes is None or edit.node not in by_node):
+            by_node[edit.node] = [edit]
+        elif edit.op in ("broaden", "narrow", "keep") and is_in_force:
+            by_node[edit.node].append(edit)
+    return by_node
+
+
 def _is_effective(edit: TreeEdit, nodes: Container[str]) -> bool:
     """Return whether the effect of an edit is still there in a tree: its node, or for a removal the lack of it."""
     return (edit.node in nodes) != (edit.op == "remove")
 
 
 def _version_after_round(edits: Sequence[TreeEdit], round: int) -> int:
-    """Return the number of edits up to the end of a round, but not those of a run that restarts the numbering.
+    """Return the number of edits up to the last one of a round or of an earlier one.
 
-    If no edit is of that round or an earlier one, the edits up to the first later round or merge count.
+    A later round, a merge, and a run that numbers its rounds from the start end the count. If there is no such
+    edit, all edits up to that end count.
     """
     end: int | None = None
     last_round: int | None = None
@@ -129,34 +148,89 @@ def _version_after_round(edits: Sequence[TreeEdit], round: int) -> int:
     return len(edits) if end is None else end
 
 
-def _inverse(log: EditLog, index: int) -> list[TreeEdit]:
-    """Return the edits that undo an earlier one in the tree as it is now."""
-    edit, before = log.log[index], log.before[index]
-    if not _is_effective(edit, log.nodes):
-        state = "is there again" if edit.op == "remove" else "is gone"
-        raise UsageError(f"edit {index} cannot be undone: its node {edit.node!r} {state}")
-    fields: dict[str, Any] = {
-        "stage": "undo",
-        "reason": f"takes back edit {index} ({edit.op})",
-        "undoes": index,
-    }
-    if edit.op == "add":
-        return [
-            TreeEdit(op="remove", node=node_id, **fields)
-            for node_id in reversed(log.at_or_below(edit.node))
-        ]
-    if before is None or edit.op == "keep":
-        return [TreeEdit(op="keep", node=edit.node, **fields)]
-    if edit.op in ("broaden", "narrow"):
-        fields |= {"label": before.label, "attested": before.attested}
-        return [TreeEdit(op="broaden", node=edit.node, **fields)]
-    missing = _missing_parents(log, before)
-    if edit.op == "remove":
-        missing.insert(0, before)
-    edits = [adding(node, **fields) for node in reversed(missing)]
-    if edit.op == "move":
-        edits.append(TreeEdit(op="move", node=edit.node, parent=before.parent, **fields))
-    return edits
+class _Undoing:
+    """Undoing in progress: the log of a tree, and the edits that undo earlier ones."""
+
+    def __init__(self, tree: "ScenarioTree") -> None:
+        self.log = tree._edit_log()
+        self.undone = undone_edits(tree.edits)
+        self.inverses: list[TreeEdit] = []
+        self._edits = tree.edits
+        self._indices: dict[str, list[int]] = {}
+        """Indices of the edits that undo nothing, by node."""
+        for index, edit in enumerate(tree.edits):
+            if edit.undoes is None:
+                self._indices.setdefault(edit.node, []).append(index)
+
+    def undo(self, index: int) -> None:
+        """Undo an edit in the tree as it is now."""
+        edit = self._edits[index]
+        if index in self.undone:
+            raise UsageError(f"edit {index} is undone already")
+        if not _is_effective(edit, self.log.nodes):
+            state = "is there again" if edit.op == "remove" else "is gone"
+            raise UsageError(f"edit {index} cannot be undone: its node {edit.node!r} {state}")
+        steps = self._inverse(index)
+        self.log.extend(len(self.log.log), steps)
+        self.inverses += steps
+
+    def _inverse(self, index: int) -> list[TreeEdit]:
+        """Return the edits that undo one; of one that a later edit has replaced, only the record."""
+        edit = self._edits[index]
+        fields: dict[str, Any] = {
+            "stage": "undo",
+            "reason": f"takes back edit {index} ({edit.op})",
+            "undoes": index,
+        }
+        before, was = self.log.before[index], self._in_force(edit.node)
+        self._leave_out(index)
+        if edit.op == "add":
+            return [
+                TreeEdit(op="remove", node=node_id, **fields)
+                for node_id in reversed(self.log.at_or_below(edit.node))
+            ]
+        if before is not None and edit.op == "remove":
+            returning = [before, *_missing_parents(self.log, before)]
+            return [adding(node, **fields) for node in reversed(returning)]
+        now, without = self.log.nodes[edit.node], self._in_force(edit.node)
+        names = _CHANGED.get(self._op(index), ())
+        if was is not None and without is not None and not _differ(was, now, names):
+            before = without
+        if before is None or not _differ(before, now, names):
+            return [TreeEdit(op="keep", node=edit.node, **fields)]
+        if "label" in names:
+            label = {"label": before.label, "attested": before.attested}
+            return [TreeEdit(op="broaden", node=edit.node, **label, **fields)]
+        parents = reversed(_missing_parents(self.log, before))
+        move = TreeEdit(op="move", node=edit.node, parent=before.parent, **fields)
+        return [*(adding(node, **fields) for node in parents), move]
+
+    def _op(self, index: int) -> str:
+        """Return the kind of an edit; if it only records that another is undone, the kind of that one."""
+        edit = self._edits[index]
+        while edit.op == "keep" and edit.undoes is not None:
+            edit = self._edits[edit.undoes]
+        return edit.op
+
+    def _leave_out(self, index: int) -> None:
+        """Count an edit as undone."""
+        if self._edits[index].undoes is None:
+            self.undone.add(index)
+        else:
+            record = TreeEdit(op="keep", node=self._edits[index].node, undoes=index)
+            self.undone = undone_edits([*self._edits, record])
+
+    def _in_force(self, node_id: str) -> Node | None:
+        """Return a node as its edits in force made it."""
+        node: Node | None = None
+        for index in self._indices.get(node_id, ()):
+            if index not in self.undone:
+                node = edited(self._edits[index], node)
+        return node
+
+
+def _differ(one: Node, other: Node, names: Iterable[str]) -> bool:
+    return any(getattr(one, name) != getattr(other, name) for name in names)
 
 
 def _missing_parents(log: EditLog, node: Node) -> list[Node]:

@@ -1,7 +1,7 @@
 """Pairing of the nodes of two trees: by id, then by label, then by meaning."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import takewhile
 from numbers import Real
 from typing import TYPE_CHECKING, Literal
@@ -14,6 +14,7 @@ from oodscen.encoders._similarity import Vectors, unit
 from oodscen.errors import UsageError
 from oodscen.protocols import Encoder
 from oodscen.tree._edits import Node, TreeEdit
+from oodscen.tree._history import decisions
 from oodscen.tree._labels import CLASSES, same_words
 
 if TYPE_CHECKING:
@@ -51,14 +52,14 @@ def match(
 ) -> tuple[Match, ...]:
     """Pair the nodes of two trees, each at most once, in the order of the first tree.
 
-    The roots are a pair, and so are nodes that existed before the trees diverged. Pairs of an
-    earlier merge are kept. Ids pair if both trees first assigned them to the same label, since trees
-    that were grown separately number their ids separately; a tree read from a file without a log is
-    trusted. Labels pair regardless of case, spaces and
-    invisible characters; children of paired parents come first. The remaining nodes pair by
-    meaning: leaf with leaf and branch with branch, if each is the other's nearest and the centred
-    cosine reaches the threshold. The meaning of a leaf is its label; the meaning of a branch is
-    half its label and half the leaves below it.
+    The roots are a pair, and so are nodes that existed before the trees diverged, or that both have
+    by the same edits in one place. Pairs of an earlier merge are kept, and the ids of a tree read from a file without a log are trusted. Other
+    ids pair if both trees first assigned them to the same label. Labels pair regardless of case,
+    spaces and invisible characters. Children of paired parents come first, for both: trees that were
+    grown separately number their ids separately. The remaining nodes pair by meaning: leaf with leaf
+    and branch with branch, if each is the other's nearest and the centred cosine reaches the
+    threshold. The meaning of a leaf is its label; the meaning of a branch is half its label and half
+    the leaves below it.
 
     A node below Environmental never pairs with one below Interactional, except if both logs begin
     alike, the node existed at that point, and it was moved later.
@@ -78,18 +79,18 @@ def match(
     """
     if not (isinstance(threshold, Real) and -1.0 <= threshold <= 1.0):
         raise UsageError(f"the threshold is a cosine, between -1 and 1, not {threshold}")
-    pairs = _Pairs(_classes(first), _classes(second))
+    pairs = _Pairs(classes_of(first), classes_of(second))
     if first.nodes and second.nodes:
         roots = first.nodes[0].id, second.nodes[0].id
         pairs.add(*roots, "id" if roots[0] == roots[1] else "label")
     _pair_by_shared_log(first, second, pairs)
-    for before, after in _merged(first, second):
-        pairs.add(before, after, "id")
-    for after, before in _merged(second, first):
-        pairs.add(before, after, "id")
-    _pair_by_id(first, second, pairs)
-    _pair_below_pairs(first, second, pairs)
-    _pair_by_label(first, second, pairs)
+    for after, before in earlier_places(first, second).items():
+        if _is_leaf(first, before) == _is_leaf(second, after):
+            pairs.add(before, after, "id")
+    for before, after in earlier_places(second, first).items():
+        if _is_leaf(first, before) == _is_leaf(second, after):
+            pairs.add(before, after, "id")
+    _ByIdAndLabel(first, second, pairs).pair()
     if encoder is not None:
         _pair_by_meaning(first, second, pairs, encoder, threshold)
     return tuple(pairs.by_first[node.id] for node in first.nodes if node.id in pairs.by_first)
@@ -126,7 +127,7 @@ class _Pairs:
         self.by_first[before] = self.by_second[after] = pair
 
 
-def _classes(tree: "ScenarioTree") -> dict[str, str]:
+def classes_of(tree: "ScenarioTree") -> dict[str, str]:
     """Return the class of every node in lower case; empty if it is neither of the two classes."""
     classes: dict[str, str] = {}
     for node in tree.nodes:
@@ -141,14 +142,32 @@ def _classes(tree: "ScenarioTree") -> dict[str, str]:
     return classes
 
 
-def _merged(tree: "ScenarioTree", other: "ScenarioTree") -> Iterator[tuple[str, str]]:
-    """Yield pairs of node ids that an earlier merge of the other tree treated as one."""
-    for edit in tree.edits:
-        if edit.stage == "merge" and edit.origin_node in other.by_id and edit.node in tree.by_id:
-            origin = other.by_id[edit.origin_node]
-            has_same_label = same_words(edit.label or "") == same_words(origin.label)
-            if has_same_label and _is_leaf(tree, edit.node) == _is_leaf(other, origin.id):
-                yield edit.node, origin.id
+def earlier_places(tree: "ScenarioTree", other: "ScenarioTree") -> dict[str, str]:
+    """Return the nodes that stand for those of the other tree since it was merged in, by their ids there.
+
+    Two trees may give one id to nodes of one label, so the record of a merge must also repeat what
+    led to one of the node's edits. The two may be of different classes.
+    """
+    grounds = {(edit.node, *grounds_of(edit)) for edit in other.edits}
+    repeated = {
+        (edit.node, edit.origin_node)
+        for edit in tree.edits
+        if (edit.origin_node, *grounds_of(edit)) in grounds
+    }
+    return {
+        edit.origin_node: edit.node
+        for edit in tree.edits
+        if edit.stage == "merge"
+        and edit.node in tree.by_id
+        and edit.origin_node in other.by_id
+        and (edit.node, edit.origin_node) in repeated
+        and same_words(edit.label or "") == same_words(other.by_id[edit.origin_node].label)
+    }
+
+
+def grounds_of(edit: TreeEdit) -> tuple[int | None, str, str, str]:
+    """Return what led to an edit."""
+    return edit.round, edit.source, edit.model, edit.prompt
 
 
 def _is_leaf(tree: "ScenarioTree", node_id: str) -> bool:
@@ -156,28 +175,111 @@ def _is_leaf(tree: "ScenarioTree", node_id: str) -> bool:
 
 
 def _pair_by_shared_log(first: "ScenarioTree", second: "ScenarioTree", pairs: _Pairs) -> None:
-    """Pair the nodes that existed before the trees diverged, whatever became of their labels."""
-    both = zip(first.edits, second.edits, strict=False)
-    shared = {
-        edit.node
-        for edit, _ in takewhile(lambda edits: edits[0] == edits[1], both)
-        if edit.op == "add"
-    }
+    """Pair the nodes that both logs have, whatever became of their labels."""
+    shared = shared_ids(first, second)
     for node in first.nodes:
-        if node.id in shared and node.id in second.by_id:
+        if node.id in shared:
             pairs.add(node.id, node.id, "id", is_moved=True)
 
 
-def _pair_by_id(first: "ScenarioTree", second: "ScenarioTree", pairs: _Pairs) -> None:
-    """Pair nodes of one id if both trees added it with the same label, or read it from a file without a log."""
-    adds = _first_adds(first), _first_adds(second)
-    for node in first.nodes:
-        if node.id not in second.by_id:
+def shared_ids(first: "ScenarioTree", second: "ScenarioTree") -> set[str]:
+    """Return the ids of the nodes that both trees have from before they diverged, or from the same edits in one place."""
+    both = zip(first.edits, second.edits, strict=False)
+    common = takewhile(lambda edits: edits[0] == edits[1], both)
+    added = {edit.node for edit, _ in common if edit.op == "add"}
+    first_edits, second_decisions = set(first.edits), decisions(second)
+    shared: set[str] = set()
+    for node in second.nodes:
+        twin = first.by_id.get(node.id)
+        if twin is None:
             continue
-        both = [added[node.id] for added in adds]
-        labels = {same_words(edit.label or "") for edit in both if edit.stage != "file"}
-        if len(labels) < 2:
-            pairs.add(node.id, node.id, "id")
+        is_in_place = node.parent == twin.parent and (node.parent is None or node.parent in shared)
+        is_same = is_in_place and first_edits.issuperset(second_decisions[node.id])
+        if node.id in added or is_same:
+            shared.add(node.id)
+    return shared
+
+
+class _ByIdAndLabel:
+    """Pairing by id and by label: below a pair first, then families anywhere, then leaves."""
+
+    def __init__(self, first: "ScenarioTree", second: "ScenarioTree", pairs: _Pairs) -> None:
+        self._first, self._second, self._pairs = first, second, pairs
+        self._words = {node.id: same_words(node.label) for node in first.nodes}
+        self._same_ids: set[str] = set()
+        """Ids that both trees gave to the same label."""
+        self._children: dict[tuple[str, str], list[str]] = defaultdict(list)
+        """Ids in the second tree by words and parent, the first one last."""
+        self._anywhere: dict[tuple[str, str, bool], list[str]] = defaultdict(list)
+        """Ids in the second tree by words, class and whether they are leaves, the first one last."""
+        for node in reversed(second.nodes):
+            words = same_words(node.label)
+            self._children[words, node.parent or ""].append(node.id)
+            key = words, pairs.second_classes[node.id], _is_leaf(second, node.id)
+            self._anywhere[key].append(node.id)
+
+    def pair(self) -> None:
+        """Add all pairs of one id or label."""
+        adds = _first_adds(self._first), _first_adds(self._second)
+        for node_id in (node.id for node in self._first.nodes if node.id in self._second.by_id):
+            both = [added[node_id] for added in adds]
+            if any(edit.stage == "file" for edit in both):
+                self._pairs.add(node_id, node_id, "id")
+            elif len({same_words(edit.label or "") for edit in both}) == 1:
+                self._same_ids.add(node_id)
+        self._pair(self._by_id_below)
+        self._pair(self._by_id_below, self._by_label_below)
+        for are_leaves in (False, True):
+            for anywhere in (self._by_id, self._by_label):
+                self._pair(self._by_id_below, self._by_label_below, anywhere, are_leaves=are_leaves)
+
+    def _pair(self, *criteria: Callable[[Node], None], are_leaves: bool = False) -> None:
+        """Pair the nodes by some criteria, the third of which is for leaves only or for families only."""
+        for node in self._first.nodes:
+            is_meant = _is_leaf(self._first, node.id) == are_leaves
+            for pair_by in criteria if is_meant else criteria[:2]:
+                if node.id not in self._pairs.by_first:
+                    pair_by(node)
+
+    def _by_id_below(self, node: Node) -> None:
+        parent = self._pairs.by_first.get(node.parent or "")
+        is_same = node.id in self._same_ids and parent is not None
+        if parent is not None and is_same and self._second.by_id[node.id].parent == parent.after:
+            self._pairs.add(node.id, node.id, "id")
+
+    def _by_label_below(self, node: Node) -> None:
+        if (parent := self._pairs.by_first.get(node.parent or "")) is not None:
+            self._take(node, self._children[self._words[node.id], parent.after])
+
+    def _by_id(self, node: Node) -> None:
+        is_same = node.id in self._same_ids and not self._is_own_leaf(node)
+        if is_same and _is_leaf(self._first, node.id) == _is_leaf(self._second, node.id):
+            self._pairs.add(node.id, node.id, "id")
+
+    def _by_label(self, node: Node) -> None:
+        """Pair nodes of one class, or else a node of a class with one that is in neither."""
+        if self._is_own_leaf(node):
+            return
+        own, is_leaf = self._pairs.first_classes[node.id], _is_leaf(self._first, node.id)
+        for possible in (own, "") if own else ("", *_CLASS_KEYS):
+            if node.id not in self._pairs.by_first:
+                self._take(node, self._anywhere[self._words[node.id], possible, is_leaf])
+
+    def _is_own_leaf(self, node: Node) -> bool:
+        """Return whether a node is the leaf of a family's own label, and the family is paired with a leaf."""
+        words = self._words[node.id]
+        while node.parent is not None and self._words[node.parent] == words:
+            node = self._first.by_id[node.parent]
+            if node.id in self._pairs.by_first:
+                return _is_leaf(self._second, self._pairs.by_first[node.id].after)
+        return False
+
+    def _take(self, node: Node, candidates: list[str]) -> None:
+        """Pair a node with the first free candidate, which stands last."""
+        while candidates and candidates[-1] in self._pairs.by_second:
+            candidates.pop()
+        if candidates:
+            self._pairs.add(node.id, candidates[-1], "label")
 
 
 def _first_adds(tree: "ScenarioTree") -> Mapping[str, TreeEdit]:
@@ -187,41 +289,6 @@ def _first_adds(tree: "ScenarioTree") -> Mapping[str, TreeEdit]:
         if edit.op == "add":
             adds.setdefault(edit.node, edit)
     return adds
-
-
-def _pair_below_pairs(first: "ScenarioTree", second: "ScenarioTree", pairs: _Pairs) -> None:
-    """Pair children of paired parents that have the same label."""
-    children: dict[tuple[str, str | None], list[str]] = defaultdict(list)
-    for node in reversed(second.nodes):
-        if node.id not in pairs.by_second:
-            children[same_words(node.label), node.parent].append(node.id)
-    for node in first.nodes:
-        parent = pairs.by_first.get(node.parent or "")
-        if parent is not None and node.id not in pairs.by_first:
-            _pair_with_first(node, children[same_words(node.label), parent.after], pairs)
-
-
-def _pair_by_label(first: "ScenarioTree", second: "ScenarioTree", pairs: _Pairs) -> None:
-    """Pair nodes that have the same label, those of the same class first."""
-    candidates: dict[tuple[str, str], list[str]] = defaultdict(list)
-    for node in reversed(second.nodes):
-        if node.id not in pairs.by_second:
-            key = same_words(node.label), pairs.second_classes[node.id]
-            candidates[key].append(node.id)
-    for node in first.nodes:
-        class_key = pairs.first_classes[node.id]
-        possible_classes = (class_key, "") if class_key else ("", *_CLASS_KEYS)
-        for possible_class in possible_classes:
-            if node.id not in pairs.by_first:
-                _pair_with_first(node, candidates[same_words(node.label), possible_class], pairs)
-
-
-def _pair_with_first(node: Node, candidates: list[str], pairs: _Pairs) -> None:
-    """Pair a node with the first free candidate, which stands last."""
-    while candidates and candidates[-1] in pairs.by_second:
-        candidates.pop()
-    if candidates:
-        pairs.add(node.id, candidates[-1], "label")
 
 
 def _pair_by_meaning(

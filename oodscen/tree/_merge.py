@@ -1,12 +1,21 @@
 """Merging of two trees that were grown separately."""
 
+from collections.abc import Container, Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from oodscen.protocols import Encoder
 from oodscen.tree._edits import Node, TreeEdit, added, adding
-from oodscen.tree._history import undone_edits
+from oodscen.tree._history import decisions
 from oodscen.tree._labels import same_words
-from oodscen.tree._matching import THRESHOLD, Match, match
+from oodscen.tree._matching import (
+    THRESHOLD,
+    Match,
+    classes_of,
+    earlier_places,
+    grounds_of,
+    match,
+    shared_ids,
+)
 
 if TYPE_CHECKING:
     from oodscen.tree._scenario_tree import ScenarioTree
@@ -26,21 +35,22 @@ def merge(
     `match`) adds a `keep` that records the second tree's label, model, prompt and text. Any other
     node is added below the counterpart of its parent, together with the decisions that shaped it,
     including stage, round, model, prompt, reason and text; a `keep` of stage `merge` then records
-    that it came from a merge. Siblings whose labels have the same words become one. Each of these
-    edits has the name of the second tree as its `origin`: `undo(round=3, origin=...)` undoes its
-    round 3.
+    that it came from a merge. A family whose leaves all stand elsewhere is not added: it would end a
+    path itself. Siblings whose labels have the same words become one. Each of these edits has the
+    name of the second tree as its `origin`: `undo(round=3, origin=...)` undoes its round 3.
 
     Every path of either tree remains a path: if a leaf of one is a family of the other, the family
     gets a leaf with that label. Merging the second tree again changes nothing. The result depends
     on the arguments alone.
+
+    Raises:
+        DataError: If a node would lie too deep.
     """
-    pairs = match(first, second, encoder=encoder, threshold=threshold)
-    by_second = {pair.after: pair for pair in pairs}
-    decisions = _decisions(second)
-    leaves = {leaf.id for leaf in second.leaves}
-    merging = _Merging(first, name or _free_name(first))
+    merging = _Merging(
+        first, second, match(first, second, encoder=encoder, threshold=threshold), name
+    )
     for node in second.nodes:
-        merging.add(node, by_second.get(node.id), decisions[node.id], is_path=node.id in leaves)
+        merging.add(node)
     return merging.tree
 
 
@@ -56,9 +66,21 @@ def _free_name(tree: "ScenarioTree") -> str:
 class _Merging:
     """A merge in progress: the first tree, with the nodes of the second one that were added so far."""
 
-    def __init__(self, first: "ScenarioTree", name: str) -> None:
+    def __init__(
+        self,
+        first: "ScenarioTree",
+        second: "ScenarioTree",
+        pairs: Iterable[Match],
+        name: str | None,
+    ) -> None:
         self.tree = first
-        self._name = name
+        self._name = name or _free_name(first)
+        self._decisions = decisions(second)
+        self._leaves = {leaf.id for leaf in second.leaves}
+        self._shared = shared_ids(first, second)
+        self._pairs = {pair.after: pair for pair in pairs}
+        self._earlier = _earlier_places(first, second, self._pairs, self._shared)
+        self._bringing = _bringing(second, self._pairs.keys() | self._earlier.keys())
         self._ids: dict[str, str] = {}
         """Ids in the merge, by id in the second tree."""
         self._nodes = dict(first.by_id)
@@ -69,23 +91,67 @@ class _Merging:
         self._path_ends = {leaf.id for leaf in first.leaves}
         """Nodes that stand for a path, so a leaf must remain when they get children."""
         self._first_edits = set(first.edits)
-        self._records = {(edit.node, edit.origin_node, *_grounds(edit)) for edit in first.edits}
+        self._records = {(edit.node, edit.origin_node, *grounds_of(edit)) for edit in first.edits}
+        self._left_out = {
+            (edit.node, edit.origin_node)
+            for edit in first.edits
+            if (edit.op, edit.stage, edit.label) == ("keep", "merge", None)
+        }
+        """Nodes at whose parent an earlier merge recorded that it left them out."""
 
-    def add(self, node: Node, pair: Match | None, log: list[TreeEdit], *, is_path: bool) -> None:
+    def add(self, node: Node) -> None:
         """Add a node of the second tree, or record it at the node that stands for it."""
         parent = self._ids[node.parent] if node.parent is not None else None
-        merged = pair.before if pair is not None else self._child_like(node, parent)
-        if is_path:
-            # A path ends at a leaf: descend through families with the same label.
-            while merged is not None and merged not in self._path_ends and merged in self._children:
-                parent, merged, pair = merged, self._child_like(node, merged), None
-        if merged is None:
-            merged = self._add_new(node, parent, log)
-        elif not self._is_recorded(merged, node, log[-1]):
-            self.tree = self.tree.apply(_keep_edit(node, merged, pair, log[-1], self._name))
+        merged, pair = self._counterpart(node, parent)
+        standing = [merged]
+        if node.id in self._leaves and merged is not None:
+            standing = self._to_path_end(merged, node)
+            if len(standing) > 1:
+                *_, parent, merged = standing
+                pair = None
+        if merged is None and parent is not None and node.id not in self._bringing:
+            merged = self._leave_out(node, parent)
+        elif merged is None:
+            merged = self._add_new(node, parent, self._decisions[node.id])
+        elif not self._is_recorded(standing, node):
+            last = self._decisions[node.id][-1]
+            self.tree = self.tree.apply(_keep_edit(node, merged, pair, last, self._name))
         self._ids[node.id] = merged
-        if is_path:
+        if node.id in self._leaves:
             self._path_ends.add(merged)
+
+    def _counterpart(self, node: Node, parent: str | None) -> tuple[str | None, Match | None]:
+        """Return the node that stands for one of the second tree, and the pair that says so, if one does."""
+        pair = self._pairs.get(node.id)
+        if node.id in self._earlier:
+            return self._earlier[node.id], None
+        if (parent, node.id) in self._left_out and node.id not in self._bringing:
+            return None, None
+        if pair is not None:
+            return pair.before, pair
+        return self._child_like(node, parent), None
+
+    def _to_path_end(self, place: str, node: Node) -> list[str | None]:
+        """Return the nodes from a place down to a leaf of a label, or else of the family's; if none, `None` is last."""
+        if place in self._path_ends or place not in self._children:
+            return [place]
+        likes = (self._child_like(like, place) for like in (node, self._nodes[place]))
+        below = [self._to_path_end(child, node) for child in dict.fromkeys(likes) if child]
+        return [place, *next((way for way in below if way[-1]), below[0] if below else [None])]
+
+    def _leave_out(self, node: Node, parent: str) -> str:
+        """Record at the parent of a family that it was not added, and return the parent."""
+        if (parent, node.id) not in self._left_out:
+            edit = TreeEdit(
+                op="keep",
+                node=parent,
+                stage="merge",
+                reason=f"all that the other tree has below “{node.label}” stands elsewhere",
+                origin=self._name,
+                origin_node=node.id,
+            )
+            self.tree = self.tree.apply(edit)
+        return parent
 
     def _add_new(self, node: Node, parent: str | None, log: list[TreeEdit]) -> str:
         """Add a node; if its parent ended a path, a leaf below it goes on to do so: this one, or another."""
@@ -127,38 +193,56 @@ class _Merging:
         """Return the child of a parent that has the same words as a node."""
         return self._children.get(parent or "", {}).get(same_words(node.label))
 
-    def _is_recorded(self, merged: str, node: Node, last: TreeEdit) -> bool:
-        """Return whether the log already records, for a node or a family of its label, who gave the label, and why."""
-        if last.node == merged and last in self._first_edits:
+    def _is_recorded(self, standing: Iterable[str | None], node: Node) -> bool:
+        """Return whether the log already records, at one of some nodes, who gave a node its label, and why."""
+        last = self._decisions[node.id][-1]
+        if node.id in self._shared and last in self._first_edits:
             return True
-        if (merged, node.id, *_grounds(last)) in self._records:
-            return True
-        family: str | None = merged
-        while family is not None and same_words(self._nodes[family].label) == same_words(
-            node.label
+        is_known = node.id in self._shared or node.id in self._earlier
+        return is_known and any(
+            (place, node.id, *grounds_of(last)) in self._records for place in standing
+        )
+
+
+def _earlier_places(
+    first: "ScenarioTree",
+    second: "ScenarioTree",
+    pairs: Mapping[str, Match],
+    shared: Container[str],
+) -> dict[str, str]:
+    """Return the nodes that an earlier merge recorded as those of the second tree, by id there.
+
+    Such a node is of the class of the one it stands for, or of that one's surroundings in the merge,
+    if both are of a class.
+    """
+    recorded = earlier_places(first, second)
+    classes, second_classes = classes_of(first), classes_of(second)
+    places: dict[str, str] = {}
+    surroundings: dict[str | None, str] = {None: ""}
+    for node in second.nodes:
+        around, own_class = surroundings[node.parent], second_classes[node.id]
+        place = recorded.get(node.id)
+        is_anywhere = "" in (own_class, around)
+        if (
+            place is not None
+            and node.id not in shared
+            and (is_anywhere or classes[place] in ("", around, own_class))
         ):
-            if (family, node.id, *_grounds(last)) in self._records:
-                return True
-            family = self._nodes[family].parent
-        return False
+            places[node.id] = place
+        else:
+            place = pairs[node.id].before if node.id in pairs else None
+        surroundings[node.id] = around if place is None else classes[place]
+    return places
 
 
-def _grounds(edit: TreeEdit) -> tuple[int | None, str, str, str]:
-    """Return what led to an edit."""
-    return edit.round, edit.source, edit.model, edit.prompt
-
-
-def _decisions(tree: "ScenarioTree") -> dict[str, list[TreeEdit]]:
-    """Return, per node, the edit that added it and the later edits in force that relabelled or confirmed it."""
-    undone = undone_edits(tree.edits)
-    decisions: dict[str, list[TreeEdit]] = {}
-    for index, edit in enumerate(tree.edits):
-        is_in_force = edit.undoes is None and index not in undone
-        if edit.op == "add" and (edit.undoes is None or edit.node not in decisions):
-            decisions[edit.node] = [edit]
-        elif edit.op in ("broaden", "narrow", "keep") and is_in_force:
-            decisions[edit.node].append(edit)
-    return decisions
+def _bringing(second: "ScenarioTree", placed: Container[str]) -> set[str]:
+    """Return the nodes of the second tree that are leaves, or have new leaves below them."""
+    bringing: set[str] = set()
+    for node in reversed(second.nodes):
+        children = second.children[node.id]
+        if not children or any(name in bringing and name not in placed for name in children):
+            bringing.add(node.id)
+    return bringing
 
 
 def _keep_edit(node: Node, merged: str, pair: Match | None, last: TreeEdit, name: str) -> TreeEdit:

@@ -172,7 +172,8 @@ class ScenarioTree:
         """Return the tree with an earlier edit undone, by appending edits to its log.
 
         Undoing an `add` also removes the nodes that were later added below it; undoing a `remove`
-        also restores parents that were removed later. An undoing edit can be undone like any other.
+        also restores parents that were removed later. A label or a place that a later edit has
+        replaced stays as it is. An undoing edit can be undone like any other.
 
         Args:
             index: Position in `edits`, from the end if negative; the last edit in force if left
@@ -182,8 +183,8 @@ class ScenarioTree:
                 own rounds if empty.
 
         Raises:
-            UsageError: If there is no such edit, or it cannot be undone in the current tree (its
-                node is gone, or it would create a cycle).
+            UsageError: If there is no such edit, or it is undone already, or it cannot be undone in
+                the current tree (its node is gone, or it would create a cycle).
         """
         if round is not None and index is not None:
             raise UsageError("undo takes the index of an edit or a round, not both")
@@ -283,6 +284,7 @@ class ScenarioTree:
         Raises:
             UsageError: If the threshold is not a cosine.
             EncoderError: If the encoder fails.
+            DataError: If a node would lie more than 50 levels below the root.
         """
         instance_of("other", other, ScenarioTree)
         return merge(self, other, encoder=encoder, threshold=threshold, name=name)

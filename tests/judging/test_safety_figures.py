@@ -253,3 +253,14 @@ def test_figures_list_what_tells_nothing():
     assert found.base_rate == pytest.approx(0.5)
     assert found.actions["stop"].safe == pytest.approx(2 / 3)
     assert safety_figures([]).n == 0
+
+
+def test_an_episode_in_which_no_action_scores_does_not_lower_the_base_rate():
+    marginal = {"stop": ActionOutcome(safe=False, marginal=True)}
+    safe = {"stop": ActionOutcome(safe=True), "keep_speed": ActionOutcome(safe=False)}
+    runs = [
+        Episode(id=name, scene_id=name, status="ok", actions=actions)
+        for name, actions in (("a", marginal), ("b", safe))
+    ]
+    assert safety_figures(runs).base_rate == 0.5
+    assert safety_figures(runs[:1]).base_rate is None

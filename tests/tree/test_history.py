@@ -230,3 +230,78 @@ def test_undoing_a_kept_node_is_recorded_as_well():
     undone = tree.undo()
     assert undone.nodes == tree.nodes
     assert (undone.edits[-1].op, undone.edits[-1].undoes) == ("keep", len(tree.edits) - 1)
+
+
+FAMILIES = ("a", "b", "c")
+relabelled_or_moved = st.lists(
+    st.tuples(
+        st.sampled_from(["broaden", "narrow", "move", "keep"]),
+        st.sampled_from(["x", "y"]),
+        st.sampled_from(FAMILIES),
+        st.sampled_from([None, "paper"]),
+    ),
+    min_size=1,
+    max_size=6,
+)
+
+
+def three_families(*changes):
+    """Return a tree of two leaves below three families, after changes of the leaves in rounds from 1 on."""
+    tree = ScenarioTree.initial().apply(
+        *(TreeEdit(op="add", node=n, parent="environmental", label=n.upper()) for n in FAMILIES),
+        *(TreeEdit(op="add", node=n, parent="a", label=n.upper()) for n in "xy"),
+    )
+    for number, (op, node, name, attested) in enumerate(changes, 1):
+        more = {"parent": name} if op == "move" else {"label": f"{name} {number}"}
+        if op in ("broaden", "narrow"):
+            more["attested"] = attested
+        more = {} if op == "keep" else more
+        tree = tree.apply(TreeEdit(op=op, node=node, round=number, **more))
+    return tree
+
+
+@given(relabelled_or_moved, st.randoms(use_true_random=False))
+def test_rounds_are_undone_in_any_order(changes, random):
+    tree = three_families(*changes)
+    rounds = list(range(1, len(changes) + 1))
+    random.shuffle(rounds)
+    for done, number in enumerate(rounds, 1):
+        tree = tree.undo(round=number)
+        left = [changes[other - 1] for other in sorted(rounds[done:])]
+        expected = three_families(*left)
+        places = {node.id: node.parent for node in tree.nodes}
+        assert places == {node.id: node.parent for node in expected.nodes}
+        assert [node.attested for node in tree.nodes] == [node.attested for node in expected.nodes]
+    assert tree.nodes == three_families().nodes
+
+
+@given(relabelled_or_moved, st.data())
+def test_undos_are_undone_in_any_order(changes, data):
+    tree = three_families(*changes)
+    before, known = tree, len(tree.edits)
+    for number in data.draw(st.permutations(range(1, len(changes) + 1))):
+        tree = tree.undo(round=number)
+    for index in data.draw(st.permutations(range(known, len(tree.edits)))):
+        tree = tree.undo(index)
+    assert tree.nodes == before.nodes
+
+
+def test_an_edit_that_a_later_one_replaced_leaves_only_its_record():
+    tree = three_families(("broaden", "x", "b", None), ("broaden", "x", "c", None))
+    first = tree.undo(round=1)
+    assert first.by_id["x"].label == "c 2"
+    assert [(edit.op, edit.undoes) for edit in first.edits[len(tree.edits) :]] == [("keep", 8)]
+    assert first.undo().by_id["x"].label == "X"
+
+
+def test_an_edit_is_undone_once():
+    tree = three_families(("broaden", "x", "b", None)).undo(8)
+    with pytest.raises(UsageError, match="edit 8 is undone already"):
+        tree.undo(8)
+
+
+def test_a_label_from_before_a_removal_does_not_return_to_the_node_that_followed():
+    tree = three_families(("broaden", "x", "b", None)).apply(
+        TreeEdit(op="remove", node="x"), TreeEdit(op="add", node="x", parent="a", label="New")
+    )
+    assert tree.undo(round=1).by_id["x"].label == "New"

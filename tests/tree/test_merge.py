@@ -1,10 +1,12 @@
 """Laws of the merge of two trees."""
 
+from collections import Counter
+
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from oodscen.errors import UsageError
+from oodscen.errors import DataError, UsageError
 from oodscen.testing._encoder import HashEncoder
 from oodscen.tree._comparison import diff
 from oodscen.tree._edit_log import MAX_DEPTH
@@ -12,7 +14,7 @@ from oodscen.tree._labels import same_words
 from oodscen.tree._matching import match
 from oodscen.tree._merge import merge
 from oodscen.tree._scenario_tree import ROOT, ScenarioTree, TreeEdit
-from tests.tree.woods import broad, chain, few, trees
+from tests.tree.woods import WORDS, broad, chain, few, numbered, steps, trees
 
 ENCODER = HashEncoder()
 
@@ -442,3 +444,112 @@ def test_a_further_decision_about_a_node_is_told_once(tree, why):
     again = merge(merged, more, name="again")
     assert [edit.origin for edit in again.edits[len(merged.edits) :]] == ["again"]
     assert merge(again, more, name="third") == again
+
+
+def plain(*nodes):
+    """Return a tree grown from parents and labels; ids are numbered."""
+    tree = ScenarioTree.initial()
+    for parent, label in nodes:
+        edit = TreeEdit(op="add", node=tree.new_id(label), parent=parent, label=label)
+        tree = tree.apply(edit)
+    return tree
+
+
+def kinds(tree):
+    """Return the class and the label of every path."""
+    return Counter((path[1], same_words(path[-1])) for path in tree.paths.values())
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "paths"),
+    [
+        (
+            plain(("environmental", "Snow"), ("interactional", "Snow")),
+            plain(("interactional", "Snow"), ("interactional", "Ice"), ("ice", "Snow")),
+            [
+                ("Environmental", "Snow"),
+                ("Interactional", "Snow"),
+                ("Interactional", "Ice", "Snow"),
+            ],
+        ),
+        (
+            plain(("interactional", "Snow")),
+            plain(("interactional", "Snow"), ("interactional", "Snow"), ("snow-2", "Snow")),
+            [("Interactional", "Snow", "Snow")],
+        ),
+        (
+            plain(("interactional", "Snow")),
+            plain(("interactional", "Weather"), ("weather", "Snow")),
+            [("Interactional", "Snow")],
+        ),
+    ],
+    ids=["numbered ids", "siblings of one label", "a family that brings no leaf"],
+)
+def test_merged_paths(one, other, paths):
+    merged = merge(one, other)
+    assert sorted(path[1:] for path in merged.paths.values()) == sorted(paths)
+    assert merge(merged, other) == merged
+    assert merge(merged, one) == merged
+
+
+def test_a_family_that_was_left_out_is_added_when_it_brings_a_leaf():
+    other = plain(("interactional", "Weather"), ("weather", "Snow"))
+    merged = merge(plain(("interactional", "Snow")), other)
+    edit = TreeEdit(op="add", node="hail", parent="weather", label="Hail")
+    more = other.apply(edit)
+    again = merge(merged, more)
+    assert [path[2:] for path in again.paths.values()] == [("Snow",), ("Weather", "Hail")]
+    assert merge(again, more) == again
+
+
+grown_alone = st.lists(st.tuples(st.integers(0, 30), st.sampled_from(WORDS)), max_size=12)
+
+
+@given(grown_alone, grown_alone)
+def test_no_kind_is_lost_and_none_comes_from_nowhere(one, other):
+    trees = []
+    for adds in (one, other):
+        tree = ScenarioTree.initial()
+        for index, label in adds:
+            parent = tree.nodes[1:][index % (len(tree) - 1)].id
+            siblings = {same_words(tree.by_id[name].label) for name in tree.children[parent]}
+            if same_words(label) not in siblings:
+                edit = TreeEdit(op="add", node=tree.new_id(label), parent=parent, label=label)
+                tree = tree.apply(edit)
+        trees.append(tree)
+    found = kinds(merge(*trees))
+    own, others = map(kinds, trees)
+    assert own | others <= found
+    assert set(found) == set(own | others)
+
+
+@given(steps, steps, steps, steps, st.sampled_from([None, ENCODER]))
+def test_a_merge_is_told_once_whatever_was_merged_before(base, one, other, third, encoder):
+    base = numbered(base)
+    one, other, third = (numbered(own, base) for own in (one, other, third))
+    merged = merge(merge(one, third, encoder=encoder), other, encoder=encoder, threshold=0.3)
+    assert merge(merged, other, encoder=encoder, threshold=0.3) == merged
+    assert merge(merged, one).nodes == merged.nodes
+
+
+@given(steps, steps, steps)
+def test_what_a_merged_tree_has_become_is_told_once(one, other, more):
+    one, other = numbered(one), numbered(other)
+    merged = merge(one, other)
+    more = numbered(more[:3], other)
+    again = merge(merged, more)
+    assert merge(again, more) == again
+
+
+def test_a_merge_that_would_grow_too_deep_is_refused():
+    deep = ScenarioTree.initial()
+    parent = "environmental"
+    for number in range(MAX_DEPTH - 1):
+        label = "Snow" if number == MAX_DEPTH - 2 else f"Level {number}"
+        edit = TreeEdit(op="add", node=f"n{number}", parent=parent, label=label)
+        deep, parent = deep.apply(edit), f"n{number}"
+    assert deep.depth == MAX_DEPTH
+    other = deep.apply(TreeEdit(op="move", node=parent, parent="environmental"))
+    other = other.apply(TreeEdit(op="add", node="drift", parent=parent, label="Drift"))
+    with pytest.raises(DataError, match="50 levels"):
+        merge(deep, other)

@@ -117,6 +117,39 @@ def regretted(changes, undos):
 trees = st.builds(regretted, changes, st.lists(st.integers(-4, 12), max_size=3))
 
 
+WORDS = ("Fog", "Ice", "Snow", "fog", "Deer")
+steps = st.lists(
+    st.tuples(
+        st.sampled_from(["add", "add", "add", "add", "broaden", "keep", "move", "remove", "undo"]),
+        st.integers(0, 30),
+        st.integers(0, 30),
+        st.sampled_from(WORDS),
+    ),
+    max_size=14,
+)
+"""Steps in the life of a tree whose ids are made from few labels, so that they are numbered."""
+
+
+def numbered(steps, tree=None):
+    """Take steps with a tree; nodes are given by their place in it."""
+    tree = ScenarioTree.initial() if tree is None else tree
+    for number, (op, one, other, label) in enumerate(steps):
+        if not tree.nodes:
+            break
+        node, parent = (tree.nodes[index % len(tree)].id for index in (one, other))
+        with suppress(DataError, UsageError):
+            if op == "undo":
+                tree = tree.undo(one % len(tree.edits))
+                continue
+            edit = {"op": op, "node": tree.new_id(label) if op == "add" else node}
+            if op in ("add", "move"):
+                edit["parent"] = parent
+            if op in ("add", "broaden"):
+                edit["label"] = label
+            tree = tree.apply(TreeEdit(**edit, round=number % 3))
+    return tree
+
+
 @cache
 def chain(size):
     """Return a tree that is one path of so many nodes."""

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from oodscen._prose import fold, is_refusal
-from oodscen.judging._parsing.confidence import CONFIDENT, confidence_in, probability
-from oodscen.judging._parsing.members import is_placeholder, members, words_in
+from oodscen.judging._parsing.confidence import CONFIDENT, confidence_in, one_probability
+from oodscen.judging._parsing.members import CONFIDENCE, is_placeholder, members, words_in
 from oodscen.judging._parsing.reading import ParsedAnswer, Question, read
 from oodscen.judging._parsing.reasons import is_against
 from oodscen.judging._parsing.unusable import TWO_ANSWERS, UnusableError
@@ -25,8 +25,7 @@ _ASPECT = re.compile(r"(?:the|one|main|named|ood|unusual)*aspect|what|label")
 """Matches those that name the aspect beside a yes or no."""
 _NAMED = re.compile(rf"{_ASPECT.pattern}|answer")
 """Matches those that name the aspect in answer to the paper's question."""
-_CONFIDENCE = re.compile(r"(?:confidence|certainty|probability)")
-_DETECTION = re.compile(f"{_IS_OOD.pattern}|{_ASPECT.pattern}|{_CONFIDENCE.pattern}")
+_DETECTION = re.compile(f"{_IS_OOD.pattern}|{_ASPECT.pattern}|{CONFIDENCE.pattern}")
 
 _ODD = r"(?:unusual|out of the ordinary|abnormal|anomalous|strange|out of distribution|ood)"
 _ORDINARY = r"(?:normal|ordinary|usual|typical|routine)"
@@ -40,7 +39,7 @@ _NOTHING_ODD = (
 )
 _NOTHING = re.compile(
     rf"\W*(?:(?:that|and|with|but) )?(?:(?:there (?:is|are)|i (?:can )?(?:see|notice|find|detect)) )?"
-    rf"(?:none|nothing|nil|no|false|n/?a|not applicable|unknown|(?:not|nothing) {_ODD}|nothing stands out|{_NOTHING_ODD}"
+    rf"(?:none|nothing|nil|null|no|false|n/?a|not applicable|unknown|(?:not|nothing) {_ODD}|nothing stands out|{_NOTHING_ODD}"
     r"|(?:(?:i (?:do not|don't) (?:see|notice|find|detect)|there (?:is not|isn't)) )any(?:thing)?"
     rf" {_ODD}(?: {_THING})?)"
     rf"{_WHERE}(?:(?: {_IS})? (?:found|detected|visible|present){_WHERE})?\W*"
@@ -158,7 +157,7 @@ def _pick_detection(value: Mapping[str, Any]) -> Detected | None:
     is_ood = truths.pop()
     if is_ood is None:
         raise UnusableError(f"{str(answers[0])[:80]!r} is neither true nor false")
-    confidence = _confidence(value)
+    confidence = one_probability(members(value, CONFIDENCE))
     if is_ood:
         aspect = _words_of_aspect(value)
         beside = aspect if names_nothing(aspect) else None
@@ -182,12 +181,6 @@ def _words_of_aspect(value: Mapping[str, Any]) -> str:
 
 def _aspects(value: Mapping[str, Any]) -> list[str]:
     return [words for member in members(value, _ASPECT) if (words := words_in(member))]
-
-
-def _confidence(value: Mapping[str, Any]) -> float | None:
-    """Return the probability that the members state; `None` if they state none, or two."""
-    stated = {probability(member) for member in members(value, _CONFIDENCE)} - {None}
-    return stated.pop() if len(stated) == 1 else None
 
 
 def _says_usual(aspect: str) -> bool:
@@ -241,14 +234,18 @@ def _detected_in_prose(prose: str) -> Detected | None:
     if marked and (opening is None or _MARKED.search(plain)):
         is_ood = marked.pop()
         aspect = _aspect_after_mark(prose) if is_ood else ""
-        return Detected(is_ood, aspect, confidence_in(prose))
+        return _detected(is_ood, aspect, prose)
     if opening is None or is_refusal(prose):
         return None
     is_ood = _TRUTHS.get(opening[1], False)
     if not _goes_with(plain[opening.end() :], is_ood=is_ood):
         raise UnusableError("what follows yes or no does not go with it")
     aspect = _aspect_after_yes(answer) if is_ood else ""
-    return Detected(is_ood, aspect, confidence_in(prose))
+    return _detected(is_ood, aspect, prose)
+
+
+def _detected(is_ood: bool, aspect: str, prose: str) -> Detected:
+    return Detected(is_ood, aspect, confidence_in(prose), "" if is_ood and not aspect else None)
 
 
 def _goes_with(rest: str, *, is_ood: bool) -> bool:
@@ -275,6 +272,7 @@ def _aspect_after_yes(prose: str) -> str:
         rest = CONFIDENT.sub("", re.sub(r"\A\W*\w+\W*", "", prose, count=1))
         _check_short(rest)
         aspect = rest.strip(" \n.,:;!()\u2014\u2013-") if re.search(r"[^\W\d_]", rest) else ""
+        aspect += ")" * (aspect.count("(") > aspect.count(")"))
     return "" if names_nothing(aspect) else aspect
 
 

@@ -1,25 +1,56 @@
 """Parses how sure an answerer says that it is."""
 
 import re
+from collections.abc import Iterable
 
 
 def probability(value: object) -> float | None:
-    """Return a stated probability in [0, 1]; accepts 0.8, "80 %", 80, "8/10", "50/50" and the words of `_DEGREES`."""
+    """Return a stated probability in [0, 1]; accepts 0.8, "80 %", 80, "8/10", "50/50" and the words of `_DEGREES`.
+
+    A number above 1 and up to 10 that names no scale is none.
+    """
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         return None
-    text = _BESIDE.sub("", str(value)).strip().casefold()
+    if not isinstance(value, str):
+        return _share(value)
+    text = _BESIDE.sub("", value).strip().casefold()
     degree = _DEGREES.get(re.sub(r"[\s_-]+", " ", text))
     if degree is not None:
         return degree
     match = _NUMBER.fullmatch(text)
     if not match:
         return None
-    number = float(match[1].replace(",", "."))
-    whole = float(match[3] or 1)
-    is_percent = match[2] or (not match[3] and 10.0 < number <= 100.0)
-    if is_percent:
+    number, is_percent, whole = match.groups()
+    return _share(float(number.replace(",", ".")), 100.0 if is_percent else float(whole or 1))
+
+
+def is_confidence(value: object) -> bool:
+    """Return whether a value says how sure somebody is, be it on an unknown scale or by leaving it out."""
+    if isinstance(value, str) and re.fullmatch(r"\s*\d{1,3}\s*", value):
+        value = int(value)
+    is_on_scale = (
+        isinstance(value, (int, float)) and not isinstance(value, bool) and 0 <= value <= 100
+    )
+    return value is None or is_on_scale or probability(value) is not None
+
+
+def one_probability(values: Iterable[object]) -> float | None:
+    """Return the probability that several values state; `None` if they state none, or two."""
+    stated = {probability(value) for value in values} - {None}
+    return stated.pop() if len(stated) == 1 else None
+
+
+def confidence_in(prose: str) -> float | None:
+    """Return the probability that prose states; `None` if it states none, or two."""
+    return one_probability(
+        match["after"] or match["alone"] or match["before"] for match in CONFIDENT.finditer(prose)
+    )
+
+
+def _share(number: float, whole: float = 1.0) -> float | None:
+    if whole == 1.0 and 10.0 < number <= 100.0:
         whole = 100.0
-    return number / whole if whole and number <= whole else None
+    return number / whole if whole and 0.0 <= number <= whole else None
 
 
 _DEGREES = {
@@ -33,21 +64,18 @@ _BESIDE = re.compile(
     re.IGNORECASE,
 )
 """Matches what may stand beside a number or a word."""
-_NUMBER = re.compile(
-    r"(\d{1,9}(?:\.\d{1,30}|,\d{1,2})?|\.\d{1,30})\s*(?:(%|percent)|(?:/|out of)\s*(\d{1,3}))?"
-)
-_SHARE = r"\d{1,3}(?:\.\d{1,30})? ?(?:%|percent|/ ?10{1,2}\b|out of 10\b)"
+_DIGITS = r"(?:\d{1,9}(?:\.\d{1,30}|,\d{1,2})?|\.\d{1,30})"
+_SCALE = r"\s*(?:(%|percent)|(?:/|(?:out )?of)\s*(\d{1,3}))"
+_NUMBER = re.compile(rf"({_DIGITS})(?:{_SCALE})?")
+_SCALED = _DIGITS + re.sub(r"\((?!\?)", "(?:", _SCALE)
+_UP_TO = rf"\s?(?:[\u2013\u2014-]|to)\s?{_DIGITS}(?:\s?%)?"
+_WORDS = "|".join(sorted(map(re.escape, _DEGREES), reverse=True)).replace(r"\ ", "[ _-]")
+_SURE = r"(?:sure|certain|confident|confidence|certainty)"
 CONFIDENT = re.compile(
-    rf"(?:confidence|certainty)(?: (?:level|is|of|at|about))* ?[:=]? ?(?P<after>{_SHARE}|\d+(?:[.,]\d+)?(?!\w|[.,]\d))"
-    rf"|\((?P<alone>0?\.\d+|1(?:\.0+)?|{_SHARE})\)|(?:(?:with|i am|i'm) )?(?P<before>{_SHARE}) (?:sure|certain|confident|confidence|certainty)",
+    r"(?:confidence|certainty)(?: (?:level|is|of|at))* ?[:=]? ?(?:about |around |~ ?)?"
+    rf"(?P<after>(?:{_SCALED}|{_DIGITS})(?:{_UP_TO})?|{_WORDS})(?![\w/]|[.,]\d| ?(?:out )?of\b)"
+    rf"|\((?P<alone>0?\.\d+|1\.0+|{_SCALED})\)"
+    rf"|(?:(?:with|i am|i'm) )?(?:(?:not|less than) {_SCALED}|(?<!n't )(?P<before>{_SCALED})) {_SURE}",
     re.IGNORECASE,
 )
-
-
-def confidence_in(prose: str) -> float | None:
-    """Return the probability that prose states; `None` if it states none, or two."""
-    stated = {
-        probability(match["after"] or match["alone"] or match["before"])
-        for match in CONFIDENT.finditer(prose)
-    }
-    return stated.pop() if len(stated) == 1 else None
+"""Matches a confidence in prose, also one that states no probability, such as "1-5 %" and "not 100 % sure"."""

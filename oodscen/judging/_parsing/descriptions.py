@@ -23,8 +23,8 @@ def read_description(text: str) -> ParsedAnswer[str]:
 
 
 def _in_object(value: Mapping[str, Any]) -> str | None:
-    descriptions = members(value, _DESCRIPTION)
-    words = words_in(descriptions[0] if descriptions else dict(value))
+    descriptions = [words_in(member) for member in members(value, _DESCRIPTION)]
+    words = next(filter(None, descriptions), "") if descriptions else words_in(dict(value))
     return None if is_placeholder(words) else _usable(words)
 
 

@@ -4,6 +4,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from oodscen.judging._parsing.confidence import is_confidence
 from oodscen.judging._parsing.unusable import TWO_ANSWERS, UnusableError
 
 WRAPPERS = re.compile(
@@ -16,9 +17,6 @@ REASON = re.compile(
 )
 """Matches the members that give reasons, in which other options may be weighed."""
 CONFIDENCE = re.compile(r"confidence|certainty|probability")
-_STATED_CONFIDENCE = re.compile(
-    r"(?:\d+(?:\.\d+)? ?%?|(?:very )?(?:high|low)|medium|moderate)", re.IGNORECASE
-)
 
 
 def unwrap(
@@ -40,7 +38,7 @@ def unwrap(
             reasons += _texts(member)
         elif REASON.fullmatch(spelt(name)):
             raise UnusableError(f"{name[:40]!r} is no text")
-        elif not _is_confidence(name, member):
+        elif not (CONFIDENCE.fullmatch(spelt(name)) and is_confidence(member)):
             raise UnusableError(f"nobody asked for {name[:40]!r}")
     inner = next(iter(rest.values())) if len(rest) == 1 else None
     if isinstance(inner, dict) and depth and all(WRAPPERS.fullmatch(spelt(name)) for name in rest):
@@ -54,12 +52,6 @@ def unwrap(
 
 def _is_reason(name: str, value: Any) -> bool:
     return bool(REASON.fullmatch(spelt(name))) and (value in (None, "", []) or bool(_texts(value)))
-
-
-def _is_confidence(name: str, value: Any) -> bool:
-    if not CONFIDENCE.fullmatch(spelt(name)):
-        return False
-    return value is None or _STATED_CONFIDENCE.fullmatch(str(value).strip()) is not None
 
 
 def _texts(value: Any) -> list[str]:

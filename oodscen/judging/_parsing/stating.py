@@ -17,7 +17,7 @@ def stated_option(plain: str) -> int | None:
     Raises:
         UnusableError: If it states two.
     """
-    whole = re.fullmatch(rf"({OPTION})[\s.!]*", plain)
+    whole = re.fullmatch(rf"({OPTION})[\s.!;]*", plain)
     if whole:
         return number(whole[1])
     options = set[int]()
@@ -71,9 +71,13 @@ _HERE = r"(?: (?:here|now|in this (?:case|situation|scenario)|for (?:the ego(?: 
 _GIVES = r" ?(?:(?:is|would be|should be|will be|:|=|->|\u2192|\u2014|\u2013|-) ?)+"
 _SO = (
     r"(?:(?:so|therefore|thus|hence|overall|finally|in conclusion|yes|ok|okay|sure|in this (?:case|situation|scenario)"
-    r"|(?:given|based on) (?:the|this|these) (?:situation|images?|frames?|descriptions?)|to avoid a (?:collision|crash))[.,:]? ?){0,3}"
+    r"|(?:given|based on) (?:the|this|these) (?:situation|images?|frames?|descriptions?)"
+    r"|to avoid a (?:collision|crash))[.,:]? ?){0,3}"
 )
-_SINCE = r"(?:(?:given that|given(?= the )|since|because(?: of)?|as(?= the | there | it )|due to) (?P<since>[^,:]{1,200})[,:] )?"
+_SINCE = (
+    r"(?:(?:given that|given(?= the )|since|because(?: of)?|as(?= the | there | it )|due to)"
+    r" (?P<since>[^,:]{1,200})[,:] )?"
+)
 _I_THINK = r"(?:i (?:think|believe|recommend|suggest)(?: that)? )?"
 _FORMS = (
     rf"{_EGO}{_WILL}{_ADVERB}(?: {_CHOOSE})?{_THE}(?P<it>{OPTION})",
@@ -87,14 +91,20 @@ _FORMS = (
 )
 _NOW = r"(?:,? (?:now|here|immediately|at once|right away|gently|safely|carefully))*"
 _TAIL = (
-    rf"(?: (?:action|maneuver|option))?{_NOW}(?: in (?:the|my|our|its) (?:ego )?lane)?(?: (?P<place>(?:behind|before|in front of) [^,;]{{1,60}}))?"
+    rf"(?: (?:action|maneuver|option))?{_NOW}(?: in (?:the|my|our|its) (?:ego )?lane)?"
+    r"(?: (?P<place>(?:behind|before|in front of) [^,;]{1,60}))?"
     r"(?:[,;]? ?(?P<reason>(?:because|since|as (?=the |there |it |this )|due to|given|in order to|so that"
-    r"|to (?:avoid|let|prevent|give|allow|ensure|reduce|wait|yield|keep|maintain))\b.+?))?[\s.!]*"
+    r"|to (?:avoid|let|prevent|give|allow|ensure|reduce|wait|yield|keep|maintain))\b.+?))?[\s.!;]*"
 )
 _STATEMENTS = tuple(re.compile(_SO + _SINCE + _SO + _I_THINK + form + _TAIL) for form in _FORMS)
 _ROAD_USERS = re.compile(
-    r"\b(?:car|vehicle|driver|truck|lorry|bus|van|motorcycle|bicycle|cyclist|he|she)s?\b(?<!ego vehicle)(?<!ego car)"
+    r"\b(?:(?:car|vehicle|driver|truck|pickup|suv|van|tram|streetcar|trolley|train|trailer|caravan|tractor"
+    r"|ambulance|taxi|cab|limousine|convoy|excavator|digger|loader|forklift|(?:fire )?engine"
+    r"|motorcycle|motorbike|scooter|moped|bicycle|bike|rickshaw|cyclist|biker|rider|he|she)s?"
+    r"|lorry|lorries|(?:mini)?bus(?:s?es)?|coach(?:es)?)\b"
+    r"(?<!ego vehicle)(?<!ego car)"
 )
+"""Matches words for those who may be meant by "the vehicle"."""
 _LONGEST_SENTENCE = 400
 """The longest sentence that can state an option, in characters."""
 
@@ -120,11 +130,12 @@ _IS_BEST = re.compile(
     rf"(?:because|since|as) (?:it|this|that) is (?:the )?{_GOOD}(?: {_THING})?{_HERE}"
 )
 _VERB = (
-    r"(?:is|are|has|have|stands?|lies|blocks?|cross(?:es)?|walks?|runs?|moves?|drives?|comes?|stays?|keeps?|appears?|seems?"
-    r"|approach(?:es)?|enters?|fills?|covers?|clos(?:es|ed)|turns?|obstructs?|occup(?:y|ies)|may|might|could)"
+    r"(?:is|are|has|have|stands?|lies|blocks?|cross(?:es)?|walks?|runs?|moves?|drives?|comes?|stays?|keeps?"
+    r"|appears?|seems?|approach(?:es)?|enters?|fills?|covers?|clos(?:es|ed)|turns?|obstructs?|occup(?:y|ies)|may|might|could)"
 )
 _OPENS = re.compile(
-    r"(?:[-\u2022] )?(?:(?:first|second|also|moreover|now),? )?(?:(?:in )?frame \d(?: shows|:)|(?:the |this )?(?:image|frame|scene)s? shows?|there(?: is| are|'s)"
+    r"(?:[-\u2022] )?(?:(?:first|second|also|moreover|now),? )?(?:(?:in )?frame \d(?: shows|:)"
+    r"|(?:the |this )?(?:image|frame|scene)s? shows?|there(?: is| are|'s)"
     r"|(?:i|we) (?:can )?see|it is (?:dark|night|foggy|raining|snowing|day)"
     rf"|(?:an?|the|my|our|two|three|several|some|many|both) (?:[^\s,;:]+ ){{1,8}}?{_VERB}"
     r"|(?:visibility|traffic|fog|rain|snow|debris|pedestrians|people|children|cars|vehicles) (?:is|are))\b"
@@ -135,25 +146,32 @@ _SCENE = re.compile(
     r"\b(?:road|lane|street|junction|intersection|crossing|crosswalk|highway|motorway|tunnel|bridge|shoulder|kerb|curb"
     r"|pavement|sidewalk|verge|car|vehicle|truck|lorry|van|bus|motorcycle|cyclist|bicycle|traffic|pedestrian|person"
     r"|people|crowd|child|children|man|woman|animal|cow|deer|dog|horse|moose|sheep|obstacle|object|debris|box|tree"
-    r"|rock|ahead|fog|rain|snow|ice|visibility|hazard|room|distance|weather|light|in the way|in (?:my|our|its) (?:way|path)"
-    rf"|{CRASH})(?:s|es)?\b"
+    r"|rock|ahead|fog|rain|snow|ice|visibility|hazard|room|distance|weather|light|in the way"
+    rf"|in (?:my|our|its) (?:way|path)|{CRASH})(?:s|es)?\b"
 )
 """Matches words for what is on a road; an observation has one."""
 _ALLOWED = re.compile(
-    r"\b(?:(?:ahead|in front) of (?:me|us)|(?:my|our|its) (?:own )?(?:lane|path|way|side|car|vehicle)|(?:i|we) (?:can )?see"
-    r"|(?:it|that|which|who|they)(?: is| are|'s) (?:\w+ing|in|on|ahead|near|close|too (?:close|near)|dark|night)|that has \w+ed"
-    r"|(?:the )?ego(?:'s)?(?: vehicle| car)?(?:'s)? (?:lane|is (?:in|on|at|approaching|driving|moving|travell?ing|following))"
+    r"\b(?:(?:ahead|in front) of (?:me|us)|(?:my|our|its) (?:own )?(?:lane|path|way|side|car|vehicle)"
+    r"|(?:i|we) (?:can )?see|that has \w+ed|so that (?=an? |no |the |there )"
+    r"|(?:it|that|which|who|they)(?: is| are|'s)"
+    r" (?:\w+ing|in|on|ahead|near|close|too (?:close|near)|dark|night)"
+    r"|(?:the )?ego(?:'s)?(?: vehicle| car)?(?:'s)?"
+    r" (?:lane|is (?:in|on|at|approaching|driving|moving|travell?ing|following))"
     r"|(?:to|towards?|behind|(?:ahead|in front) of|hit|approaching) (?:the )?ego(?: vehicle| car)?"
-    rf"|(?:avoid|prevent|reduce)(?:ing)? (?:(?!no |not )\w+ ){{0,4}}{CRASH}|(?:risk of|there (?:is|has been)) (?:an? )?(?:\w+ )?{CRASH})\b"
+    rf"|(?:avoid|prevent|reduce)(?:ing)? (?:(?!no |not )\w+ ){{0,4}}{CRASH}"
+    rf"|(?:risk of|there (?:is|has been)) (?:an? )?(?:\w+ )?{CRASH})\b"
 )
 """Matches phrases with words of `_NO_OBSERVATION` that judge no choice."""
 _NO_OBSERVATION = re.compile(
-    rf"{OPTION}|[?\u2026:\"]|\b(?:i|me|my|mine|we|us|our|you|your|he|she|it|its|they|that|this|these|those|which|what|who|whoever|ego"
-    r"|\w+'[sd]|\w+'ll|if|unless|when|until|once|but|yet|however|though|although|while|except|instead|rather|otherwise|then|so|had|were"
-    r"|would|should|must|shall|ought|cannot|does|did|wish\w*|hope\w*|want\w*|says?|said|tells?|told|reads?|claim\w*|ask\w*|thinks?"
-    r"|answers?|choices?|options?|actions?|decisions?|above|below|opposite|wrong (?!way\b)|an?other|an? (?:lie|flaw|mistake|joke)|the lie|lied|jok\w+"
-    r"|kidding|kill\w*|dies?|dying|dead\w*|death\w*|fatal\w*|lethal|suicid\w*|murder\w*|harm\w*|worst|stupid|nonsense|imagin\w+|suppos\w+"
-    rf"|example|fiction\w*|hypothetical\w*|pretend\w*|dream\w*|universe|forbid\w*|illegal|prohibit\w*|false|untrue|not true|{CRASH})\b"
+    rf"{OPTION}|[?\u2026:\"]|\b(?:i|me|my|mine|we|us|our|you|your|he|she|it|its|they|that|this|these|those"
+    r"|which|what|who|whoever|ego|\w+'[sd]|\w+'ll|if|unless|when|until|once|but|yet|however|though|although"
+    r"|while|except|instead|rather|otherwise|then|so|had|were|would|should|must|shall|ought|cannot|does|did"
+    r"|wish\w*|hope\w*|want\w*|says?|said|tells?|told|reads?|claim\w*|ask\w*|thinks?|answers?|choices?"
+    r"|options?|actions?|decisions?|above|below|opposite|wrong (?!way\b)|an?other"
+    r"|an? (?:lie|flaw|mistake|joke)|the lie|lied|jok\w+|kidding|kill\w*|dies?|dying|dead\w*|death\w*|fatal\w*"
+    r"|lethal|suicid\w*|murder\w*|harm\w*|worst|worse|better|best|safer|safest|wiser|prefer\w*|stupid|nonsense"
+    r"|imagin\w+|suppos\w+|example|fiction\w*|hypothetical\w*|pretend\w*|dream\w*|universe|forbid\w*"
+    rf"|illegal|prohibit\w*|false|untrue|not true|{CRASH})\b"
 )
 """Matches options, questions, and words of a condition, a report or a judgement."""
 

@@ -220,6 +220,62 @@ def test_a_doubt_is_no_certainty(said, wanted):
     assert probability(said) == wanted
 
 
+SCALES = [
+    "{}",
+    "{}%",
+    "{} %",
+    "{} percent",
+    "{}/5",
+    "{}/10",
+    "{} out of 4",
+    "{} of 100",
+    "high",
+    "very low",
+]
+
+
+@given(st.sampled_from(SCALES), st.integers(0, 130).map(str) | st.sampled_from(["0.8", "0,3"]))
+def test_prose_states_the_confidence_of_an_object(scale, number):
+    said = scale.format(number)
+    wanted = read_aspect(json.dumps({"is_ood": True, "aspect": "a deer", "confidence": said})).value
+    assert wanted.confidence == probability(said)
+    for form in (
+        "Yes, a deer. Confidence: {}",
+        "Yes, a deer, confidence {}.",
+        "Answer: yes\nAspect: a deer\nConfidence: {}",
+    ):
+        assert read_aspect(form.format(said)).value == wanted
+
+
+@given(st.floats(0, 1))
+def test_a_number_of_an_object_is_its_confidence(number):
+    assert probability(number) == number
+
+
+@pytest.mark.parametrize(
+    ("said", "aspect", "confidence"),
+    [
+        ("Yes, a deer. Confidence: 1-5%", "a deer", None),
+        ("Yes, a deer. Confidence: 0.8 to 0.9", "a deer", None),
+        ("Yes, a deer. Confidence: 4 (80%)", "a deer", 0.8),
+        ("Yes, a deer. Confidence: ~85%.", "a deer", 0.85),
+        ("Yes, a deer. I am 90 % sure.", "a deer", 0.9),
+        ("Yes, I am not 100% sure.", "", None),
+        ("Yes, a deer. I'm less than 50% sure.", "a deer", None),
+        ("Yes, a deer (1).", "a deer (1)", None),
+        ("Yes, a deer (1.0).", "a deer", 1.0),
+        ("Yes, a deer (90%).", "a deer", 0.9),
+    ],
+)
+def test_a_confidence_in_prose_is_not_guessed(said, aspect, confidence):
+    assert read_aspect(said).value == Detected(True, aspect, confidence)
+
+
+@pytest.mark.parametrize("said", ["No, normal. Not 100% sure.", "No. Confidence: 1-5%"])
+def test_a_doubt_beside_no_is_no_certainty(said):
+    assert read_aspect(said).value == Detected(False, "", None)
+
+
 def test_words_rank_as_they_mean():
     words = ["unsure", "very low", "low", "medium", "high", "very high", "certain"]
     found = [probability(word) for word in words]
@@ -285,3 +341,15 @@ def test_an_aspect_that_does_not_go_with_the_yes_or_no_is_noted(
 @given(st.sampled_from(["", "...", "ordinary traffic", "The road is clear."]))
 def test_an_ordinary_aspect_goes_with_no(said: str) -> None:
     assert read_aspect(json.dumps({"is_ood": False, "aspect": said})).note == "JSON"
+
+
+@pytest.mark.parametrize(
+    "said", ["Yes", "Answer: yes", "Unusual: yes", '{"is_ood": true, "aspect": null}']
+)
+def test_a_yes_without_an_aspect_is_noted_in_every_form(said):
+    assert "true without an aspect" in read_aspect(said).note
+
+
+@pytest.mark.parametrize("said", ["null", "Aspect: null", '{"aspect": "null"}'])
+def test_null_names_no_aspect(said):
+    assert read_named_aspect(said).value == ""

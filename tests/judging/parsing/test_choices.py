@@ -92,3 +92,18 @@ def test_going_on_is_keeping_the_speed(said: str, end: str) -> None:
 )
 def test_going_on_is_no_answer_of_others_or_in_doubt(said: str) -> None:
     assert read_action(said).value is None
+
+
+@pytest.mark.parametrize(
+    "stated", ["8/10", "80 percent", "50/50", "certain", "fairly high", "Very-High", "~0.8", 1e-5, 0.9, 7, "7", None]
+)  # fmt: skip
+def test_a_confidence_may_stand_beside_any_answer(stated):
+    said = json.dumps({"action": "stop", "confidence": stated})
+    assert read_action(said, ACTIONS).value == "stop"
+    if isinstance(stated, str):
+        assert read_action(f"Action: stop\nConfidence: {stated}", ACTIONS).value == "stop"
+
+
+@pytest.mark.parametrize("stated", ["keep_speed", "not stop", [0.9], True, {"value": 0.9}])
+def test_what_is_no_confidence_is_another_member(stated):
+    assert read_action(json.dumps({"action": "stop", "confidence": stated}), ACTIONS).value is None

@@ -29,3 +29,7 @@ def test_a_description_may_be_prose_but_not_a_refusal(said, value, outcome):
     reading = read_description(said)
     assert reading.outcome == outcome
     assert value is None or reading.value == value
+
+
+def test_a_description_left_empty_is_not_the_one_that_counts():
+    assert read_description('{"summary": "", "text": "A wet road."}').value == "A wet road."

@@ -62,8 +62,26 @@ def test_any_other_sentence_makes_it_unreadable(other, form, named, is_first, sp
         ("Stopping.", "stop"),
         ("The truck is ahead. Stopping.", None),
         ("I would stop behind the truck.", "stop"),
+        ("I would stop so that the road is clear.", "stop"),
+        ("I would stop so that they pass on the road.", None),
+        ("I would stop; the lane is blocked.", "stop"),
+        ("The lane is blocked; I would stop.", "stop"),
+        ("stop; the lane is blocked", "stop"),
+        ("I would stop; keep speed;", None),
+        ("I would change lane left. The right lane is safer.", None),
+        ("I would stop. The shoulder is better.", None),
         ("I would stop behind schedule.", None),
     ],
 )
 def test_whose_action_it_is_and_what_stands_beside_it(said, value):
     assert read_action(said, ACTIONS).value == value
+
+
+@pytest.mark.parametrize(
+    "user",
+    ["The lorry is", "The lorries are", "Two buses are", "A bus is", "The tram is", "An ambulance is", "A taxi is",
+     "Three trucks are", "The coaches are", "A motorbike is", "A fire engine is"],
+)  # fmt: skip
+def test_the_vehicle_is_not_the_ego_beside_another_one(user):
+    assert read_action(f"{user} on the road. The vehicle should stop.", ACTIONS).value is None
+    assert read_action(f"{user} on the road. The ego vehicle should stop.", ACTIONS).value == "stop"
