@@ -34,6 +34,13 @@ def last_by(values: Iterable[Value], key: Callable[[Value], Hashable]) -> list[V
     return list({key(value): value for value in values}.values())
 
 
+def judged_episodes(episodes: Iterable[Episode]) -> list[Episode]:
+    """Return the last episode of every item, without scenes whose hazard cannot be named and their ordinary drives."""
+    latest = last_by(episodes, lambda episode: episode.scene_id)
+    unnamed = {episode.scene_id for episode in latest if episode.is_below_floor}
+    return [episode for episode in latest if scene_of(episode.scene_id) not in unnamed]
+
+
 @dataclass(frozen=True, eq=False)
 class Items:
     """The items of a study: every scene and twin that ran, with its path and safe set."""

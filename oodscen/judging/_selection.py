@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from oodscen._seeding import stream
 from oodscen.data._episode import Episode
 from oodscen.data._pairing import demand_id, is_ordinary, scene_of, twin_id
-from oodscen.judging._items import last_by
+from oodscen.judging._items import judged_episodes
 
 
 def ordinary_drives(scene_id: str, *, seed: int) -> tuple[str, str]:
@@ -20,7 +20,7 @@ def choose_items(episodes: Sequence[Episode], *, count: int, seed: int) -> list[
     With one, a draw by seed and scene takes the twin or the demand, so that every other ordinary drive asks
     for a reaction; where only one of them ran, that one goes with the scene.
     """
-    latest = last_by(episodes, lambda episode: episode.scene_id)
+    latest = judged_episodes(episodes)
     if count > 1:
         return latest
     recorded = {episode.scene_id for episode in latest}

@@ -63,6 +63,7 @@ def study_board(material: Material) -> Leaderboard:
         material.scenarios,
         whole=material.whole,
         audit=material.audit,
+        seed=material.seed,
     )
 
 

@@ -86,11 +86,16 @@ class Material:
         """The configuration as it was written; empty if there is none."""
         return mapping(self.info.get("config"))
 
+    @property
+    def seed(self) -> int:
+        """The seed of the study; 0 if none can be read."""
+        seed = self.config.get("seed")
+        return seed if isinstance(seed, int) else 0
+
     @cached_property
     def drive_board(self) -> DriveBoard:
         """The results of all drives, by driver."""
-        seed = self.config.get("seed")
-        return drive_board(self.drives, self.scenarios, seed=seed if isinstance(seed, int) else 0)
+        return drive_board(self.drives, self.scenarios, seed=self.seed)
 
 
 def read(study: Study) -> Material:

@@ -75,7 +75,6 @@ def asked_drives(study: "Study") -> list[AskedDrive]:
         UsageError: If a scene or its text has changed since it was run.
     """
     config, episodes = study.config, study.episodes
-    unseen = {episode.scene_id for episode in episodes if episode.is_below_floor}
     scenarios = {scenario.id: scenario for scenario in study.scenarios}
     scenes = {scene.id: scene for scene in study.scenes}
     refuse_stale(study, episodes, scenes.values())
@@ -84,7 +83,7 @@ def asked_drives(study: "Study") -> list[AskedDrive]:
     drives = []
     for episode in choose_items(episodes, count=config.ordinary, seed=config.seed):
         name = scene_of(episode.scene_id)
-        if episode.status != "ok" or not episode.frames or name in unseen:
+        if episode.status != "ok" or not episode.frames:
             continue
         scenario, scene = scenarios.get(name), scenes.get(name)
         offered = kinds.offered(scenario.leaf if scenario else "", maps.get(name, ""))

@@ -13,6 +13,8 @@ from oodscen.errors import UnknownComponent
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.judging._leaderboard.board import Leaderboard
 from oodscen.judging._references import ALWAYS
+from oodscen.report._leaderboard import study_board
+from oodscen.report._load import read
 from oodscen.testing import ScriptedLLM
 from tests.pipeline.quick import SMALL, asked_about, lines, rewrite
 
@@ -111,7 +113,7 @@ def test_the_leaderboard_keeps_the_papers_frames_and_leaves_out_what_cannot_be_n
         rewrite(folder, "episodes.jsonl", rows)
         study = run_study(folder, config, models=models)
         written = Leaderboard.load(folder / "leaderboard.json")
-        assert study.leaderboard() == written
+        assert study.leaderboard() == study_board(read(study)) == written
         copy = Study.open(shutil.copytree(folder, tmp_path / f"dropped at {size_px}"))
         drop_models(copy, ["bad"])
         dropped = Leaderboard.load(copy.folder / "leaderboard.json")

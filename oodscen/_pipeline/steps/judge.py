@@ -73,14 +73,14 @@ def evaluate(
     items left by a model that was given up, and last items that failed before; these keep their old verdict
     if they are not asked again.
     """
-    episodes, judged_episodes, scenes = Judged.of(episodes, scenes, run.config)
+    episodes, asked, scenes = Judged.of(episodes, scenes, run.config)
     answerers = _answerers(run, episodes, scenarios, scenes)
-    shown: dict[Protocol, Sequence[Episode]] = {"ours": judged_episodes}
+    shown: dict[Protocol, Sequence[Episode]] = {"ours": asked}
     if "paper" in run.config.protocols:
         shown["paper"] = simulate_whole(run, scenes)
     items = _items(run, answerers, shown)
     needs_rear_views = run.config.rear_view and bool(run.config.vlms)
-    rear_views = simulate_behind(run, judged_episodes) if needs_rear_views else {}
+    rear_views = simulate_behind(run, asked) if needs_rear_views else {}
     people = [
         answerer.model
         for answerer in answerers.values()

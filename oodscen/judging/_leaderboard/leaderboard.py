@@ -10,7 +10,7 @@ from oodscen._numbers import seed_number
 from oodscen.data._episode import Episode, as_offered
 from oodscen.data._scenario import Scenario
 from oodscen.data._verdict import Protocol, Verdict
-from oodscen.judging._items import AnswerColumns, Items, Mask, last_by
+from oodscen.judging._items import AnswerColumns, Items, Mask, judged_episodes, last_by
 from oodscen.judging._leaderboard.board import Leaderboard
 from oodscen.judging._leaderboard.comparisons import comparisons
 from oodscen.judging._leaderboard.gains import with_gains
@@ -50,7 +50,7 @@ def leaderboard(
         seed: Seed of the resampling.
     """
     seed_number(seed)
-    episodes = list(episodes)
+    episodes = judged_episodes(episodes)
     items = Items.of(episodes, {scenario.id: scenario for scenario in scenarios})
     whole_ran = [
         episode

@@ -19,7 +19,7 @@ from oodscen.data._episode import Episode
 from oodscen.data._scenario import Scenario
 from oodscen.data._verdict import Verdict, is_without_pictures
 from oodscen.errors import UsageError
-from oodscen.judging._items import AnswerColumns, Floats, Items, Mask
+from oodscen.judging._items import AnswerColumns, Floats, Items, Mask, judged_episodes
 from oodscen.judging._leaderboard.figures import figures as figures_of
 from oodscen.statistics._bar_test import p_below, times_needed
 
@@ -145,7 +145,7 @@ def requirements(
 
     `episodes` are those of scenes and ordinary drives; `bars` holds at least one.
     """
-    items = Items.of(episodes, {scenario.id: scenario for scenario in scenarios})
+    items = Items.of(judged_episodes(episodes), {scenario.id: scenario for scenario in scenarios})
     grouped: dict[str, list[Verdict]] = {}
     for verdict in verdicts:
         is_graded = verdict.kind == "model" and not is_without_pictures(verdict.model)

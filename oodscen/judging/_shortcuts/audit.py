@@ -8,11 +8,10 @@ import numpy as np
 
 from oodscen.data._base import Data, digest
 from oodscen.data._episode import Episode
-from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.errors import StudyError
-from oodscen.judging._items import Items, Mask, Ratio, last_by
+from oodscen.judging._items import Items, Mask, Ratio, judged_episodes
 from oodscen.judging._leaderboard.figures import resample_ratios
 from oodscen.judging._leaderboard.rows import Estimate
 from oodscen.judging._shortcuts import facts
@@ -97,12 +96,9 @@ def _cell(figure: Estimate, form: str) -> str:
 
 def source(episodes: Iterable[Episode]) -> str:
     """Return the digest of the episodes that an audit depends on: those that are judged, the last of every item."""
-    latest = last_by(episodes, lambda episode: episode.scene_id)
-    unseen = {episode.scene_id for episode in latest if episode.is_below_floor}
     rows = sorted(
         (episode.id, episode.status, episode.trace_sha256, episode.made_from)
-        for episode in latest
-        if scene_of(episode.scene_id) not in unseen
+        for episode in judged_episodes(episodes)
     )
     return digest(rows)
 
@@ -123,7 +119,7 @@ def audit(
         StudyError: If fewer than two paths have a scene with an ordinary drive.
         MissingExtra: If scikit-learn or OpenCV is not installed.
     """
-    items = Items.of(episodes, {scenario.id: scenario for scenario in scenarios})
+    items = Items.of(judged_episodes(episodes), {scenario.id: scenario for scenario in scenarios})
     rows: list[int] = np.flatnonzero(is_audited(items)).tolist()
     clusters = [items.clusters[row] for row in rows]
     if len(set(clusters)) < 2:

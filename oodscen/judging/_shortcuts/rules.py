@@ -75,13 +75,12 @@ def folds_of(clusters: Sequence[str]) -> Floats:
 
 
 def is_audited(items: Items) -> Mask:
-    """Return [n] the items of scenes whose hazard can be named, and that have an ordinary drive."""
+    """Return [n] the items of scenes that have an ordinary drive."""
     has_scene = items.owners >= 0
     scene = np.where(has_scene, items.owners, np.arange(len(items.episodes)))
     has_drive = np.zeros(len(items.episodes), np.bool_)
     has_drive[items.owners[has_scene]] = True
-    is_named = np.array([not episode.is_below_floor for episode in items.episodes], np.bool_)
-    return (items.is_scene | has_scene) & has_drive[scene] & is_named[scene]
+    return (items.is_scene | has_scene) & has_drive[scene]
 
 
 def rule_calls(items: Items) -> Calls | None:
