@@ -53,13 +53,14 @@ def match(
     """Pair the nodes of two trees, each at most once, in the order of the first tree.
 
     The roots are a pair, and so are nodes that existed before the trees diverged, or that both have
-    by the same edits in one place. Pairs of an earlier merge are kept, and the ids of a tree read from a file without a log are trusted. Other
-    ids pair if both trees first assigned them to the same label. Labels pair regardless of case,
-    spaces and invisible characters. Children of paired parents come first, for both: trees that were
-    grown separately number their ids separately. The remaining nodes pair by meaning: leaf with leaf
-    and branch with branch, if each is the other's nearest and the centred cosine reaches the
-    threshold. The meaning of a leaf is its label; the meaning of a branch is half its label and half
-    the leaves below it.
+    by the same edits in one place. Pairs of an earlier merge are kept, and the ids of a tree read
+    from a file without a log are trusted. Other ids pair if both trees first assigned them to the
+    same label. Labels pair regardless of case, spaces and invisible characters. Children of paired
+    parents come first, for both, since trees that were grown separately number their ids
+    separately; elsewhere only leaf pairs with leaf and branch with branch. The remaining nodes pair
+    by meaning: leaf with leaf and branch with branch, if each is the other's nearest and the centred
+    cosine reaches the threshold. The meaning of a leaf is its label; the meaning of a branch is half
+    its label and half the leaves below it.
 
     A node below Environmental never pairs with one below Interactional, except if both logs begin
     alike, the node existed at that point, and it was moved later.

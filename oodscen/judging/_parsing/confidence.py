@@ -25,7 +25,7 @@ def probability(value: object) -> float | None:
 
 
 def is_confidence(value: object) -> bool:
-    """Return whether a value says how sure somebody is, be it on an unknown scale or by leaving it out."""
+    """Return whether a value states a confidence, perhaps on an unknown scale; `None` leaves it out."""
     if isinstance(value, str) and re.fullmatch(r"\s*\d{1,3}\s*", value):
         value = int(value)
     is_on_scale = (
