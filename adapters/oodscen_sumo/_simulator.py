@@ -65,6 +65,66 @@ class FrontBumper(NamedTuple):
         return self.x - half * math.cos(yaw), self.y - half * math.sin(yaw), yaw
 
 
+class LanePlace(NamedTuple):
+    """A place on a lane of SUMO, which measures all lanes of an edge by one length.
+
+    Equal distances on two lanes of a bent road are therefore not side by side: a vehicle that changes lanes
+    would jump along the road. Here its place goes over from one lane's to the other's on the way.
+    """
+
+    edge: str
+    along_m: float
+    lane: int
+    """Index of the lane, from the right."""
+    left_m: float
+    """Distance to the left of the lane's middle, m."""
+
+    @classmethod
+    def of(cls, sumo: Any, vehicle: str) -> "LanePlace":
+        """Return the place of a vehicle's front bumper."""
+        get = sumo.vehicle
+        return cls(
+            get.getRoadID(vehicle),
+            get.getLanePosition(vehicle),
+            get.getLaneIndex(vehicle),
+            get.getLateralLanePosition(vehicle),
+        )
+
+    @classmethod
+    def at(cls, sumo: Any, x: float, y: float) -> "LanePlace":
+        """Return the place at x and y, m."""
+        edge, along_m, lane = sumo.simulation.convertRoad(x, y)
+        middle = cls(edge, along_m, lane, 0.0)
+        (x_middle, y_middle), heading = middle._middle(sumo, middle.lane)
+        left_m = (y - y_middle) * math.cos(heading) - (x - x_middle) * math.sin(heading)
+        return middle._replace(left_m=left_m)
+
+    def heading(self, sumo: Any) -> float:
+        """Return the lane's heading, rad."""
+        return self._middle(sumo, self.lane)[1]
+
+    def shift(self, sumo: Any) -> tuple[float, float, float]:
+        """Return how far a vehicle is from where SUMO has it: x and y, m, and yaw, rad."""
+        beside = self.lane + (1 if self.left_m > 0.0 else -1)
+        if not 0 <= beside < sumo.edge.getLaneNumber(self.edge):
+            return 0.0, 0.0, 0.0
+        (x, y), heading = self._middle(sumo, self.lane)
+        (x_beside, y_beside), heading_beside = self._middle(sumo, beside)
+        widths = [sumo.lane.getWidth(f"{self.edge}_{lane}") for lane in (self.lane, beside)]
+        way = min(abs(self.left_m) / (0.5 * sum(widths)), 1.0)
+        part = 0.5 - 0.5 * math.cos(math.pi * way)  # It begins and ends gently.
+        cos, sin = math.cos(heading), math.sin(heading)
+        ahead_m = part * ((x_beside - x) * cos + (y_beside - y) * sin)
+        turn = part * math.remainder(heading_beside - heading, math.tau)
+        return ahead_m * cos, ahead_m * sin, turn
+
+    def _middle(self, sumo: Any, lane: int) -> tuple[tuple[float, float], float]:
+        """Return x and y of a lane's middle at this distance, m, and its heading, rad."""
+        angle_deg = sumo.lane.getAngle(f"{self.edge}_{lane}", self.along_m)
+        place = sumo.simulation.convert2D(self.edge, self.along_m, lane)
+        return place, math.radians(90.0 - angle_deg)
+
+
 class SumoSimulator(DynamicSimulator):
     """Runs scenes in SUMO's traffic; its drivers mind all bodies, the ego included.
 
@@ -96,8 +156,12 @@ class SumoSimulator(DynamicSimulator):
         return load_catalogue()
 
     def check(self, scene: Scene) -> Sequence[Issue]:
-        """Return an issue for every driver on the wrong side of the road, or who would change to it."""
+        """Return an issue for left-hand traffic, or for every driver on the wrong side of the road or who would change to it."""
         staged = StagedScene(scene, self.catalogue())
+        if staged.corridor.keeps_left:
+            return [
+                Issue("map", 'SUMO\'s networks have right-hand traffic, and its road rule="LHT"')
+            ]
         sides = [strip.direction for strip in staged.corridor.strips]
         return [
             Issue(
@@ -141,6 +205,9 @@ class SumoSimulator(DynamicSimulator):
         for body in solid:
             if body.id not in self._present:
                 raise SpawnError(body.id, body.asset.id, body.pose, "SUMO found no road for it")
+            if body.behaviour in DRIVEN and self._is_turned(body):
+                reason = "SUMO's lane runs the other way"
+                raise SpawnError(body.id, body.asset.id, body.pose, reason)
             self._sumo.vehicle.setPreviousSpeed(body.id, max(0.0, body.speed))
 
     def triggered(self, body: StagedScene.Body) -> None:
@@ -171,11 +238,11 @@ class SumoSimulator(DynamicSimulator):
         vehicles = self._sumo.vehicle
         self._present = set(vehicles.getIDList())
         for row, body in enumerate(self.staged.bodies):
-            if body.behaviour in DRIVEN and body.id in self._present:
-                x, y = vehicles.getPosition(body.id)
-                front = FrontBumper(x, y, vehicles.getAngle(body.id))
-                self._poses[row] = front.pose(body.asset.length)
-                self._speeds[row] = vehicles.getSpeed(body.id)
+            if body.behaviour in DRIVEN:
+                before = self._poses[row].copy()
+                if body.id in self._present:
+                    self._poses[row] = self._pose(body)
+                self._speeds[row] = self._speed(body, self._poses[row] - before)
 
     def bodies(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return x, y and yaw of all bodies, and their speeds."""
@@ -215,7 +282,34 @@ class SumoSimulator(DynamicSimulator):
         vehicles.setLaneChangeMode(name, 0)
         vehicles.setSpeedMode(name, _ALL_CHECKS if body.behaviour in DRIVEN else _NO_CHECKS)
         vehicles.setParameter(name, "laneChangeModel.lcAccelLat", _LATERAL_ACCELERATION)
+        if body.behaviour in DRIVEN:
+            front = FrontBumper.of(x, y, yaw, length=body.asset.length)
+            shift = LanePlace.at(self._sumo, front.x, front.y).shift(self._sumo)
+            x, y, yaw = np.subtract((x, y, yaw), shift).tolist()
         self._put(body, (x, y, yaw))
+
+    def _is_turned(self, body: StagedScene.Body) -> bool:
+        """Return whether a driver's lane in SUMO runs against the driver, whom SUMO would turn round."""
+        heading = LanePlace.of(self._sumo, body.id).heading(self._sumo)
+        return math.cos(heading - body.pose[3]) < 0.0
+
+    def _pose(self, body: StagedScene.Body) -> tuple[float, float, float]:
+        """Return where SUMO has moved a driver: x and y of its centre, m, and its yaw, rad."""
+        x, y = self._sumo.vehicle.getPosition(body.id)
+        dx, dy, turn = LanePlace.of(self._sumo, body.id).shift(self._sumo)
+        angle_deg = self._sumo.vehicle.getAngle(body.id) - math.degrees(turn)
+        return FrontBumper(x + dx, y + dy, angle_deg).pose(body.asset.length)
+
+    def _speed(self, body: StagedScene.Body, moved: NDArray[np.float64]) -> float:
+        """Return a driver's speed from its motion in the step: x and y, m.
+
+        SUMO's own speed is that along the lane's middle, on which a lane's length is not quite that of its road.
+        """
+        vehicles, (_, _, yaw) = self._sumo.vehicle, self._poses[self._rows[body.id]]
+        if body.id not in self._present or vehicles.getSpeed(body.id) == 0.0:
+            return 0.0
+        mean = (moved[0] * math.cos(yaw) + moved[1] * math.sin(yaw)) / self.dt
+        return float(mean) + 0.5 * self.dt * float(vehicles.getAcceleration(body.id))
 
     def _put(self, body: StagedScene.Body, pose: Sequence[float]) -> None:
         """Move a body to a pose: x and y of its centre, m, and its yaw, rad."""

@@ -81,7 +81,8 @@ def check_simulator(
     - one `dt` per step, and the ids, shapes and types of states and frames;
     - the same bytes for the same scene and seed, whatever ran before, also in a fresh process;
     - gaps, places, accelerations, heights, leaving the road and observations that follow from the poses;
-    - motion of ego and actors, triggers and reactions as in the reference world, within tolerances;
+    - motion of ego and actors, triggers and reactions as in the reference world, within tolerances, and lane changes
+      without a jump;
     - pictures whose colours, ids and depth agree with each other, with the state and with the camera, also one that
       looks aside or back, and that follow many bodies, step for step and right after `restore`;
     - snapshots if offered, typed refusals, and a `close` that may be called twice;

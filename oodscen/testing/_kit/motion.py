@@ -18,6 +18,7 @@ from oodscen.driving._sight.placement import staging_issues
 from oodscen.protocols import Control
 from oodscen.testing._kit.ego_motion import check_contact, check_ego, check_grip
 from oodscen.testing._kit.findings import NotApplicable
+from oodscen.testing._kit.lane_changes import check_lane_changes
 from oodscen.testing._kit.probe import Probe
 from oodscen.testing._kit.reactions import check_reactions, check_triggers
 from oodscen.testing._kit.samples import constantly
@@ -47,7 +48,7 @@ _LEAST_BEND = 1e-9
 
 
 def check_motion(probe: Probe) -> None:
-    """Check starts, controls, behaviours, triggers, reactions and contacts against the reference world."""
+    """Check starts, controls, behaviours, triggers, lane changes, reactions and contacts against the reference world."""
     findings = probe.findings
     notes = []
     for name, part in (
@@ -56,6 +57,7 @@ def check_motion(probe: Probe) -> None:
         ("grip", check_grip),
         ("triggers", check_triggers),
         ("bends", _check_bends),
+        ("lane changes", check_lane_changes),
         ("reactions", check_reactions),
         ("contact", check_contact),
     ):

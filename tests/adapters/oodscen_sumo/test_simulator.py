@@ -13,7 +13,7 @@ from oodscen_sumo._simulator import FrontBumper
 from oodscen import make_catalogue
 from oodscen.data import Actor, Behaviour, Placement, Trigger
 from oodscen.driving._roads.building import load_corridor, read_map
-from oodscen.errors import SceneError, SimulatorError
+from oodscen.errors import SceneError, SimulatorError, SpawnError
 from oodscen.protocols import Control
 from oodscen.testing import simulator_checks
 from oodscen.testing._kit.samples import sample_scene
@@ -77,6 +77,81 @@ def test_a_driver_against_the_traffic_of_its_lane_is_refused(behaviour) -> None:
     with SumoSimulator() as simulator, pytest.raises(SceneError) as refused:
         simulator.reset(sample_scene(AVENUE, (staged,)), 0)
     assert [issue.path for issue in refused.value.issues] == ["actors[0].placement.heading_deg"]
+
+
+def street(tmp_path, *, rule: str = "RHT", turn: float = 0.1) -> str:
+    """Return a file of a road with two lanes on each side, straight and then in a bend to the left by some rad."""
+    lanes = {
+        side: "".join(
+            f'<lane id="{sign * index}" type="driving">'
+            '<width sOffset="0" a="3.5" b="0" c="0" d="0"/></lane>'
+            for index in order
+        )
+        for side, sign, order in (("left", 1, (2, 1)), ("right", -1, (1, 2)))
+    }
+    file = tmp_path / "street.xodr"
+    file.write_text(
+        '<OpenDRIVE><header revMajor="1" revMinor="8"/>'
+        f'<road id="1" length="360" junction="-1" rule="{rule}"><planView>'
+        '<geometry s="0" x="0" y="0" hdg="0" length="260"><line/></geometry>'
+        '<geometry s="260" x="260" y="0" hdg="0" length="100">'
+        f'<arc curvature="{turn / 100.0}"/></geometry></planView><lanes><laneSection s="0">'
+        f'<left>{lanes["left"]}</left><center><lane id="0" type="none"/></center>'
+        f"<right>{lanes['right']}</right></laneSection></lanes></road></OpenDRIVE>"
+    )
+    return str(file)
+
+
+@pytest.mark.parametrize("lanes", [1, -1])
+@pytest.mark.parametrize("road", ["urban_avenue", "highway", "street"])
+def test_a_driver_that_changes_lanes_moves_as_its_speed_says(road, lanes, tmp_path) -> None:
+    changing = actor("cut_in", ahead=20.0, speed=10.0, lanes=float(lanes), duration=3.0)
+    beside = Placement(ahead_m=20.0, lane=0 if lanes > 0 else 1, offset_m=0.3)
+    changing = changing.model_copy(update={"placement": beside})
+    scene = sample_scene(AVENUE, (changing,))
+    scene = scene.model_copy(
+        update={"map": street(tmp_path, turn=1.2) if road == "street" else road}
+    )
+    with SumoSimulator() as simulator:
+        states = [simulator.reset(scene, 0)]
+        states += [simulator.step(Control()) for _ in range(100)]
+    places = np.array([state.places[1] for state in states])
+    speeds = np.array([state.speeds[1] for state in states])
+    poses = np.array([state.poses[1] for state in states])
+    assert abs(places[-1, 1] - places[0, 1]) == pytest.approx(3.5, abs=0.6)
+    steps = np.diff(poses[:, :2], axis=0)
+    headings = np.stack([np.cos(poses[1:, 3]), np.sin(poses[1:, 3])], axis=1)
+    along = (steps * headings).sum(axis=1) / simulator.dt
+    assert np.abs(along - speeds[1:]).max() < 0.01
+    assert np.abs(speeds - 10.0).max() < (1.5 if road == "street" else 0.4)
+    assert np.abs(np.diff(speeds)).max() < 0.2
+    assert np.abs(np.diff(poses[:, 3])).max() < 0.03
+
+
+def test_a_driver_that_has_left_the_network_stands(tmp_path) -> None:
+    leaving = actor("follow_lane", ahead=100.0, speed=40.0)
+    scene = sample_scene(AVENUE, (leaving,)).model_copy(update={"map": street(tmp_path)})
+    with SumoSimulator() as simulator:
+        states = [simulator.reset(scene, 0)]
+        states += [simulator.step(Control()) for _ in range(200)]
+    assert np.array_equal(states[-1].poses[1], states[-2].poses[1])
+    assert states[-1].speeds[1] == 0.0
+
+
+def test_left_hand_traffic_is_refused(tmp_path) -> None:
+    scene = sample_scene(AVENUE, (actor("follow_lane"),))
+    scene = scene.model_copy(update={"map": street(tmp_path, rule="LHT")})
+    with SumoSimulator() as simulator, pytest.raises(SceneError, match="LHT") as refused:
+        simulator.reset(scene, 0)
+    assert [issue.path for issue in refused.value.issues] == ["map"]
+
+
+def test_a_driver_whose_lane_runs_the_other_way_in_sumo_is_refused(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(SumoSimulator, "check", lambda self, scene: [])
+    scene = sample_scene(AVENUE, (actor("follow_lane"),))
+    scene = scene.model_copy(update={"map": street(tmp_path, rule="LHT")})
+    with SumoSimulator() as simulator, pytest.raises(SpawnError, match="runs the other way"):
+        simulator.reset(scene, 0)
 
 
 @pytest.mark.parametrize("friction", [1.0, 0.1])
