@@ -109,6 +109,7 @@ class Metrics(Brief):
         texts: Texts,
         llm: LLM | None = None,
         *,
+        groups: Sequence[str | int | Sequence[str]] | None = None,
         anchors: Sequence[PublishedRate] | str | Path | None = None,
         draws: int = DRAWS,
     ) -> Rarity:
@@ -117,22 +118,32 @@ class Metrics(Brief):
         Args:
             texts: At least one string or scenario.
             llm: The model to ask; by default the shipped offline head estimates.
+            groups: The path (or other group) of each text, for the interval of the median, as in `report`.
             anchors: Rates to calibrate the figures on: a file for `load_rates`, or `published` for the
                 shipped ones. By default figures are those of the head or model.
             draws: Independent draws of a model, whose median counts.
 
         Raises:
-            DataError: If there is no text, one is blank, or the anchors are not valid rates.
+            DataError: If there is no text, one is blank, the anchors are not valid rates, or there are more or
+                fewer groups than texts.
             UsageError: If `draws` is not a whole number from 1 to 100.
             EncoderError: If the encoder fails.
             LLMError: If the model cannot be reached; answers without a figure are flagged instead.
         """
         plain = check_texts(texts)
+        clusters = _clusters(texts, groups)
         draws = whole_number("draws", draws, 1, 100)
         with anchored(anchors) as rates:
             if llm is None:
-                return estimate_rarity(self._space, plain, rates)
-            return ask_rarity(conforming("llm", llm), plain, anchors=rates, draws=draws)
+                return estimate_rarity(self._space, plain, clusters, rates)
+            return ask_rarity(
+                conforming("llm", llm),
+                plain,
+                anchors=rates,
+                clusters=clusters,
+                seed=self.seed,
+                draws=draws,
+            )
 
     def exposure(
         self,
@@ -200,10 +211,7 @@ class Metrics(Brief):
             EncoderError: If the encoder fails.
         """
         plain = check_texts(texts)
-        clusters = paths_of(texts) if groups is None else tuple(map(group_name, groups))
-        if clusters is not None and len(clusters) != len(plain):
-            issue = Issue("", f"has {len(clusters)} labels for {len(plain)} texts")
-            raise DataError("groups", [issue])
+        clusters = _clusters(texts, groups)
         with reporting(progress) as report_progress:
             return report(
                 self._space, plain, clusters, definition, checks=checks, progress=report_progress
@@ -494,3 +502,18 @@ def _as_baseline(
         is_embedded = Path(baseline).suffix in SUFFIXES
         return open_embeddings(baseline, encoder) if is_embedded else load_baseline(baseline)
     return Baseline(texts=check_texts(baseline, Baseline.noun))
+
+
+def _clusters(
+    texts: Texts, groups: Sequence[str | int | Sequence[str]] | None
+) -> tuple[str, ...] | None:
+    """Return the group of each text: the given one, or its path; `None` unless all have one.
+
+    Raises:
+        DataError: If there are more or fewer groups than texts.
+    """
+    clusters = paths_of(texts) if groups is None else tuple(map(group_name, groups))
+    if clusters is not None and len(clusters) != len(texts):
+        issue = Issue("", f"has {len(clusters)} labels for {len(texts)} texts")
+        raise DataError("groups", [issue])
+    return clusters

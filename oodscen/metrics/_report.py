@@ -132,7 +132,7 @@ class MetricsReport(Data):
         """Return the figures with their intervals as a table for notebooks."""
         rows = self._main
         if self.rarity is not None:
-            rows.insert(0, ("rarity, median of log10 km", self.rarity.median, None))
+            rows.insert(0, ("rarity, median of log10 km", self.rarity.median, self.rarity.interval))
         if self.control is not None:
             auroc = self.control.auroc
             rows.append(("OOD-ness of the ordinary controls", self.control.mean, None))
@@ -225,7 +225,7 @@ def report(
         calibration=calibration,
         control=control,
         off_topic=flags,
-        rarity=estimate_rarity(space, texts),
+        rarity=estimate_rarity(space, texts, clusters),
     )
 
 

@@ -32,10 +32,11 @@ def score_file(
         texts_inside = _texts_inside(metrics, records, band, definition)
         records = [records[index] for index in texts_inside.indices]
     texts = [record.text for record in records]
-    report = metrics.report(texts, _groups(records), definition=definition)
+    groups = _groups(records)
+    report = metrics.report(texts, groups, definition=definition)
     update: dict[str, object] = {"band": texts_inside}
     if llm is not None or anchors is not None:
-        update["rarity"] = metrics.rarity(texts, llm, anchors=anchors)
+        update["rarity"] = metrics.rarity(texts, llm, groups=groups, anchors=anchors)
     return report.model_copy(update=update)
 
 

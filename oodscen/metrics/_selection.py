@@ -29,7 +29,7 @@ from oodscen.data._base import Data
 from oodscen.encoders._similarity import TIE, Vectors
 from oodscen.errors import UsageError
 from oodscen.metrics._oodness import Measure
-from oodscen.metrics._rarity.estimates import estimate_rarity
+from oodscen.metrics._rarity.estimates import estimate_texts
 
 if TYPE_CHECKING:
     from oodscen.metrics._vectors.space import BaselineSpace
@@ -146,7 +146,7 @@ def _by_exposure(
 
 
 def _best_rarities(space: "BaselineSpace", texts: Sequence[str]) -> list[float | None]:
-    return [rarity.best for rarity in estimate_rarity(space, texts).per_text]
+    return [rarity.best for rarity in estimate_texts(space, texts)[1]]
 
 
 def most_diverse(vectors: Vectors, n: int, method: Method = "max-min") -> NDArray[np.int64]:

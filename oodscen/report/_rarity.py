@@ -13,6 +13,7 @@ from oodscen.metrics._measurements import Measurements
 from oodscen.metrics._rarity.estimates import TextRarity
 from oodscen.metrics._report import MetricsReport
 from oodscen.report._charts.sets import Cloud, boxes, scatter
+from oodscen.statistics._intervals import Interval
 
 _ENDS = 4
 """Texts that are shown from either end of a set."""
@@ -28,6 +29,8 @@ class RarityRow:
     label: str
     n: int
     median: str
+    interval: str
+    """95 % interval of the median; empty without one."""
     middle: str
     """Range of the middle 80 % of texts."""
     unknown: int
@@ -59,6 +62,8 @@ class _RatedSet:
     name: str
     label: str
     estimates: Sequence[TextRarity]
+    interval: Interval | None
+    """Interval of the median."""
     values: Mapping[int, float]
     """The best estimate by index of the text; decimal logarithm of kilometres."""
     oodness: Sequence[float]
@@ -70,12 +75,15 @@ class _RatedSet:
         values = {
             index: rarity.best for index, rarity in enumerate(estimates) if rarity.best is not None
         }
-        return cls(name, label, estimates, values, report.oodness.per_text)
+        interval = None if report.rarity is None else report.rarity.interval
+        return cls(name, label, estimates, interval, values, report.oodness.per_text)
 
     def row(self) -> RarityRow:
         """Return the figures of the set."""
         n = len(self.estimates)
-        return RarityRow(self.label, n, *_spread(self.values.values()), n - len(self.values))
+        median, middle = _spread(self.values.values())
+        interval = _range(self.interval.low, self.interval.high) if self.interval else ""
+        return RarityRow(self.label, n, median, interval, middle, n - len(self.values))
 
     def cloud(self) -> Cloud:
         """Return rarity and OOD-ness of its texts, evenly thinned to some `_MOST`."""
@@ -151,7 +159,11 @@ def _families(rated: _RatedSet, texts: Mapping[str, Sequence[Scenario]]) -> list
 def _spread(values: Collection[float]) -> tuple[str, str]:
     """Return the median and the range of the middle 80 % in words."""
     low, median, high = np.quantile(list(values), [0.1, 0.5, 0.9])
-    return _power(median), f"{_power(low)} to {_power(high)}"
+    return _power(median), _range(low, high)
+
+
+def _range(low: float, high: float) -> str:
+    return f"{_power(low)} to {_power(high)}"
 
 
 def _power(value: float) -> str:

@@ -125,6 +125,41 @@ def bootstrap_mean(
     return percentile_interval(means, resampler.units, is_clustered=resampler.is_clustered)
 
 
+def bootstrap_median(
+    values: Floats,
+    clusters: Sequence[str] | None = None,
+    *,
+    seed: int = 0,
+    replicates: int = REPLICATES,
+) -> Interval | None:
+    """Return the interval of the median of [n] finite values; `None` if fewer than two units can be drawn."""
+    resampler = _resampler(len(values), clusters, seed, replicates, "median")
+    if resampler.units < 2:
+        return None
+    order = np.argsort(values, kind="stable")
+    ranked = np.asarray(values, np.float64)[order]
+    # Without clusters every rank is a unit of its own, so that the order of the items changes nothing.
+    unit = resampler.cluster if clusters is None else resampler.cluster[order]
+    rows = next(blocks(replicates, len(ranked)))
+    medians = [
+        _medians(ranked, weights[first : first + rows][:, unit])
+        for weights in resampler.blocks()
+        for first in range(0, len(weights), rows)
+    ]
+    return percentile_interval(
+        np.concatenate(medians), resampler.units, is_clustered=resampler.is_clustered
+    )
+
+
+def _medians(ranked: Floats, counts: Floats) -> Floats:
+    """Return the medians [r] of [n] values in order, each taken as often as the rows of [r, n] counts say."""
+    reached = np.cumsum(counts, axis=1)
+    half = 0.5 * reached[:, -1:]
+    below, above = (reached < half).sum(axis=1), (reached <= half).sum(axis=1)
+    medians: Floats = 0.5 * (ranked[below] + ranked[above])
+    return medians
+
+
 def bootstrap_pairwise(
     vectors: NDArray[np.float32],
     clusters: Sequence[str] | None = None,

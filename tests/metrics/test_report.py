@@ -43,6 +43,12 @@ def test_a_band_is_told_by_the_bounds_that_it_has(tmp_path, band, words):
     assert caption(found).endswith(f"; texts of the band {words}")
 
 
+def test_the_view_has_the_interval_of_rarity(report):
+    found = report.rarity.interval
+    shown = re.search(r"rarity, median.*?</tr>", report._repr_html_(), re.DOTALL)[0]
+    assert f"{found.low:.3f} to {found.high:.3f}" in shown
+
+
 def test_a_report_of_all_texts_tells_of_no_band(report):
     assert "band" not in str(report) + report._repr_html_()
 

@@ -7,6 +7,7 @@ from oodscen.data._scenario import Scenario
 from oodscen.metrics._measurements import Measurements
 from oodscen.metrics._rarity.estimates import Rarity, TextRarity
 from oodscen.report._rarity import rarity_variables
+from oodscen.statistics._intervals import Interval
 from tests.report.conftest import measurements_of
 
 NONE = {
@@ -39,6 +40,18 @@ def texts(count: int) -> dict[str, list[Scenario]]:
             for n in range(count)
         ]
     }
+
+
+def test_a_set_has_the_interval_of_its_median_and_an_older_study_none() -> None:
+    metrics = measured([3.0, 5.0])
+    (row,) = rarity_variables(metrics, LABELS, texts(2))["rarity_rows"]
+    assert row.interval == ""
+    report = metrics.sets["simulatable"]
+    interval = Interval(low=3.04, high=4.96, method="cluster bootstrap", units=2)
+    rarity = report.rarity.model_copy(update={"interval": interval})
+    sets = {"simulatable": report.model_copy(update={"rarity": rarity})}
+    variables = rarity_variables(metrics.model_copy(update={"sets": sets}), LABELS, texts(2))
+    assert variables["rarity_rows"][0].interval == "10^3.0 km to 10^5.0 km"
 
 
 def test_a_study_without_rarity_has_none_on_its_page() -> None:

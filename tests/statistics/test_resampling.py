@@ -10,7 +10,43 @@ from oodscen.encoders._similarity import unit
 from oodscen.statistics import _resampling
 from oodscen.statistics._answers import intraclass
 from oodscen.statistics._intervals import cluster_interval, wilson
-from oodscen.statistics._resampling import Resampler, bootstrap_mean, bootstrap_pairwise
+from oodscen.statistics._resampling import (
+    Resampler,
+    bootstrap_mean,
+    bootstrap_median,
+    bootstrap_pairwise,
+)
+
+
+@settings(deadline=None, max_examples=30)
+@given(
+    st.lists(st.tuples(st.floats(-9, 9), st.sampled_from("abcd")), min_size=2, max_size=12),
+    st.booleans(),
+    st.integers(0, 3),
+)
+def test_the_interval_of_a_median_is_that_of_resampled_medians(items, is_clustered, seed):
+    values = np.array([value for value, _ in items])
+    clusters = [label for _, label in items] if is_clustered else None
+    found = bootstrap_median(values, clusters, seed=seed, replicates=50)
+    resampler = Resampler(clusters or len(values), seed=seed, replicates=50, purpose="median")
+    if resampler.units < 2:
+        assert found is None
+        return
+    ranked = values if is_clustered else np.sort(values)
+    medians = [
+        np.median(np.repeat(ranked, counts[resampler.cluster].astype(int)))
+        for counts in resampler.weights
+    ]
+    assert (found.low, found.high) == pytest.approx(np.quantile(medians, [0.025, 0.975]), abs=2e-6)
+    assert (found.units, found.is_clustered) == (resampler.units, is_clustered)
+
+
+def test_the_median_of_many_values_is_resampled_in_blocks(monkeypatch):
+    values = np.random.default_rng(1).normal(size=60)
+    paths = [str(n // 4) for n in range(60)]
+    whole = bootstrap_median(values), bootstrap_median(values, paths)
+    monkeypatch.setattr(_resampling, "_CELLS", 500)
+    assert (bootstrap_median(values), bootstrap_median(values, paths)) == whole
 
 
 @settings(deadline=None, max_examples=30)
@@ -63,6 +99,7 @@ def test_the_order_of_the_items_changes_no_interval(labels, is_clustered, data):
     moved = [labels[place] for place in order] if is_clustered else None
     for one, other in (
         (bootstrap_mean(values, clusters), bootstrap_mean(values[order], moved)),
+        (bootstrap_median(values, clusters), bootstrap_median(values[order], moved)),
         (bootstrap_pairwise(rows, clusters), bootstrap_pairwise(rows[order], moved)),
     ):
         assert (one is None) == (other is None)

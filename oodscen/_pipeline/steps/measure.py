@@ -54,5 +54,6 @@ def _measured(
     measured = measurements(metrics, groups, leaves)
     if run.rarity_llm is None or not groups["simulatable"]:
         return measured
-    rarity = metrics.rarity(groups["simulatable"], run.rarity_llm)
+    texts = groups["simulatable"]
+    rarity = metrics.rarity(texts, run.rarity_llm, groups=[scenario.leaf for scenario in texts])
     return measured.model_copy(update={"asked": rarity})

@@ -40,6 +40,8 @@ def ask_rarity(
     texts: Sequence[str],
     *,
     anchors: Sequence[PublishedRate] | None = None,
+    clusters: Sequence[str] | None = None,
+    seed: int = 0,
     draws: int,
     per_call: int = PER_CALL,
 ) -> Rarity:
@@ -60,7 +62,7 @@ def ask_rarity(
             answered.append(rate)
             estimates.append(estimate)
     costs = [call.cost_usd for call in calls if call.status == "ok"]
-    rarity = gather_rarity(per_text, speaker(llm), answered or None, estimates)
+    rarity = gather_rarity(per_text, speaker(llm), answered or None, estimates, clusters, seed=seed)
     return rarity.model_copy(
         update={
             "unanswered_rates": len(anchors or ()) - len(answered),

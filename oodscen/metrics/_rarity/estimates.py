@@ -18,6 +18,8 @@ from oodscen.metrics._rarity.rate_calibration import RateCalibration, calibrate
 from oodscen.metrics._rarity.rates import PublishedRate
 from oodscen.metrics._rarity.subject import is_number, names_road, repeats_word
 from oodscen.protocols import Encoder
+from oodscen.statistics._intervals import Interval
+from oodscen.statistics._resampling import bootstrap_median
 
 if TYPE_CHECKING:
     from oodscen.metrics._vectors.space import BaselineSpace
@@ -97,6 +99,8 @@ class Rarity(Data):
     per_text: tuple[TextRarity, ...]
     median: float | None
     """Median of the texts that have a figure."""
+    interval: Interval | None = None
+    """95 % interval of the median, for other texts like these; `None` with fewer than two texts or groups."""
     unknown: int = Field(ge=0)
     """Number of texts without a figure."""
     calibration: RateCalibration | None = None
@@ -130,8 +134,10 @@ class Rarity(Data):
             return f"is unknown for all of {len(self.per_text)} texts, by {self.by}"
         figures = [rarity.best for rarity in self.per_text if rarity.best is not None]
         low, high = np.quantile(figures, [0.1, 0.9])
+        found = self.interval
+        interval = f" [10^{found.low:.1f}, 10^{found.high:.1f}]" if found else ""
         return (
-            f"once in 10^{self.median:.1f} km (median; 80 % of texts "
+            f"once in 10^{self.median:.1f} km{interval} (median; 80 % of texts "
             f"10^{low:.1f} to 10^{high:.1f}), by {self.by}"
         )
 
@@ -145,6 +151,9 @@ def gather_rarity(
     by: str,
     anchors: Sequence[PublishedRate] | None,
     anchor_estimates: Sequence[float],
+    clusters: Sequence[str] | None,
+    *,
+    seed: int,
 ) -> Rarity:
     """Return the rarity of a set, calibrated if there are anchors.
 
@@ -153,24 +162,39 @@ def gather_rarity(
         by: The name of what estimated it.
         anchors: The published rates.
         anchor_estimates: The estimate of each anchor, in their order.
+        clusters: The group of each text, if the texts have groups.
+        seed: Seed of the bootstrap.
     """
     calibration = None if anchors is None else calibrate(anchors, anchor_estimates)
     if calibration is not None:
         per_text = [rarity.calibrated(calibration) for rarity in per_text]
-    figures = [rarity.best for rarity in per_text if rarity.best is not None]
+    known = [index for index, rarity in enumerate(per_text) if rarity.best is not None]
+    figures = np.array([per_text[index].best for index in known], np.float64)
+    groups = None if clusters is None else [clusters[index] for index in known]
     return Rarity(
         by=by,
         per_text=tuple(per_text),
-        median=float(np.median(figures)) if figures else None,
-        unknown=len(per_text) - len(figures),
+        median=float(np.median(figures)) if known else None,
+        interval=bootstrap_median(figures, groups, seed=seed),
+        unknown=len(per_text) - len(known),
         calibration=calibration,
     )
 
 
 def estimate_rarity(
-    space: "BaselineSpace", texts: Sequence[str], anchors: Sequence[PublishedRate] | None = None
+    space: "BaselineSpace",
+    texts: Sequence[str],
+    clusters: Sequence[str] | None = None,
+    anchors: Sequence[PublishedRate] | None = None,
 ) -> Rarity:
-    """Return the offline estimate for texts; see `oodscen.metrics._rarity.head`."""
+    """Return the offline estimate for a set of texts; see `oodscen.metrics._rarity.head`."""
+    by, per_text = estimate_texts(space, texts)
+    by_anchor = [] if anchors is None else estimate_anchors(space, anchors)
+    return gather_rarity(per_text, by, anchors, by_anchor, clusters, seed=space.seed)
+
+
+def estimate_texts(space: "BaselineSpace", texts: Sequence[str]) -> tuple[str, list[TextRarity]]:
+    """Return the name of what estimates, and the estimate of each text."""
     name = space.encoder.name
     head, estimates, vectors = estimate(name, texts, space.vectors)
     off_topic = set(space.guard.flags(vectors).flagged) if vectors is not None else set()
@@ -178,8 +202,7 @@ def estimate_rarity(
         _text_rarity(text, head, estimates, index, is_off_topic=index in off_topic)
         for index, text in enumerate(texts)
     ]
-    by_anchor = [] if anchors is None else estimate_anchors(space, anchors)
-    return gather_rarity(per_text, name if head.uses_vectors else "words", anchors, by_anchor)
+    return name if head.uses_vectors else "words", per_text
 
 
 def _text_rarity(

@@ -41,6 +41,13 @@ def test_the_median_of_draws_counts_and_the_interval_holds_all():
     assert found.unknown == 1
 
 
+def test_the_interval_of_the_median_counts_groups():
+    metrics = Metrics(HashEncoder(64), ["A van drives ahead."])
+    found = metrics.rarity(TEXTS, ScriptedLLM(good), groups=["a", "b", "b"])
+    assert (found.interval.method, found.interval.units) == ("cluster bootstrap", 2)
+    assert metrics.rarity(TEXTS, ScriptedLLM(good), groups=["a", "a", "b"]).interval is None
+
+
 @pytest.mark.parametrize(
     "bad",
     [

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen import Metrics
+from oodscen import Metrics, Scenario
 from oodscen.errors import DataError
 from oodscen.metrics._rarity.estimates import UNTOLD, Rarity, TextRarity, estimated_km
 from oodscen.metrics._rarity.rates import PublishedRate
@@ -150,3 +150,35 @@ def test_a_file_of_rates_that_are_of_no_use_is_named(tmp_path):
 
 def test_published_rates_can_be_estimated():
     assert METRICS.rarity(["A red light."], anchors="published").calibration.anchors == 53
+
+
+SET = [
+    "A car waits at a red light.",
+    "A deer stands in the lane.",
+    "The bridge ahead has collapsed.",
+    "A sofa lies on the motorway.",
+    "12345",
+    "A cyclist rides ahead in the lane.",
+]
+
+
+def test_a_set_has_an_interval_of_its_median_over_the_texts_with_a_figure():
+    found = METRICS.rarity(SET)
+    assert found.interval.low <= found.median <= found.interval.high
+    assert (found.interval.method, found.interval.units) == ("bootstrap", 5)
+    assert f"[10^{found.interval.low:.1f}, 10^{found.interval.high:.1f}]" in str(found)
+    assert found == METRICS.report(SET).rarity
+    assert METRICS.rarity(SET[:1]).interval is None
+    assert METRICS.rarity(SET[4:5]).interval is None
+
+
+def test_the_interval_counts_paths():
+    scenarios = [
+        Scenario(id=f"s-{index}", text=text, path=("OOD", f"Kind {index // 2}"))
+        for index, text in enumerate(SET)
+    ]
+    found = METRICS.rarity(scenarios)
+    assert (found.interval.method, found.interval.units) == ("cluster bootstrap", 3)
+    assert METRICS.rarity(SET, groups=[0, 0, 1, 1, 2, 2]).interval == found.interval
+    with pytest.raises(DataError, match="has 2 labels for 6 texts"):
+        METRICS.rarity(SET, groups=[0, 1])
