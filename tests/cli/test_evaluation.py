@@ -187,6 +187,29 @@ def test_a_setting_that_all_models_share_is_kept_unless_no_model_has_answered(
     assert (refused.exit_code, "judged with --ordinary 2" in refused.output) == (2, True)
 
 
+def test_a_recording_of_several_models_is_refused_before_it_enters_the_study(
+    study, tmp_path, monkeypatch
+) -> None:
+    (tmp_path / "here").mkdir()
+    (tmp_path / "here" / "recorded_class.py").write_text(OWN.format("stop"))
+    monkeypatch.syspath_prepend(tmp_path / "here")
+    source = shutil.copytree(study, tmp_path / "source")
+    assert invoke("evaluate", source, "--vlm", "recorded_class:Own").exit_code == 0
+    recording = tmp_path / "two.jsonl"
+    lines = [json.loads(line) for line in (source / "answers.jsonl").read_text().splitlines()]
+    both = [{**line, "model": name} for name in ("one", "two") for line in lines]
+    recording.write_text("".join(json.dumps(line) + "\n" for line in both))
+    before = {path.name: path.read_bytes() for path in study.iterdir() if path.is_file()}
+    for order in (("--vlm",), ("--dry-run", "--vlm"), ("--judge",)):
+        refused = invoke("evaluate", study, *order, f"replay:{recording}")
+        assert (refused.exit_code, f"replay:{recording}#one" in refused.output) == (2, True)
+        assert before == {
+            path.name: path.read_bytes() for path in study.iterdir() if path.is_file()
+        }
+    assert invoke("evaluate", study, "--vlm", f"replay:{recording}#one").exit_code == 0
+    assert invoke("evaluate", study, "--vlm", "random").exit_code == 0
+
+
 OWN = """
 import json
 from oodscen.protocols import Completion
