@@ -34,9 +34,12 @@ import difflib
 import inspect
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from oodscen._display import cut
+
+if TYPE_CHECKING:
+    from oodscen.protocols import Usage
 
 __all__ = [
     "AnswerError",
@@ -245,6 +248,15 @@ class LLMTimeout(LLMError):
 
 class ContentFiltered(LLMError):
     """A provider's content filter blocked a question; a refusal in the model's own words is an answer."""
+
+    usage: "Usage | None" = None
+
+    def __init__(
+        self, message: str, *, model: str = "", usage: "Usage | None" = None, requests: int = 0
+    ) -> None:
+        self.usage = usage
+        """Tokens and cost that the provider states, since a filtered answer may be billed; `None` without a response."""
+        super().__init__(message, model=model, requests=requests)
 
 
 class ModelSkipped(LLMError):

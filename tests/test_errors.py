@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from oodscen import errors
 from oodscen.errors import Issue, OodscenError, UnknownComponent, close_matches
+from oodscen.protocols import Usage
 
 ISSUES = (Issue("a.b", "wrong"), Issue("", "worse"))
 
@@ -34,7 +35,7 @@ EXAMPLES = (
     errors.EndpointDown("http://127.0.0.1:1/v1", "no response for 40 s"),
     errors.ResponseError("message", model="m", status=200, raw="<html>", requests=6),
     errors.LLMTimeout("message", model="m", retryable=True, requests=2),
-    errors.ContentFiltered("message", model="m", requests=1),
+    errors.ContentFiltered("message", model="m", usage=Usage(input_tokens=9), requests=1),
     errors.ModelSkipped("m is given up: no response for 40 s", model="m"),
     errors.ReplayMiss("replay:a.jsonl", "describe-path", [errors.Issue("sample", "3 is asked")]),
     errors.RunStopped("message"),
@@ -72,7 +73,12 @@ FACTS = {
         "raw": "<html>",
     },
     "LLMTimeout": {"model": "m", "retryable": True, "requests": 2},
-    "ContentFiltered": {"model": "m", "retryable": False, "requests": 1},
+    "ContentFiltered": {
+        "model": "m",
+        "retryable": False,
+        "requests": 1,
+        "usage": Usage(input_tokens=9),
+    },
     "ModelSkipped": {
         "model": "m",
         "retryable": True,

@@ -79,6 +79,9 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
     Prints the leaderboard, or leaderboard.json with --json. New items are asked first, then unanswered items
     of all models. If a model is given up, only its own items are lost.
 
+    --chain, --rear-view and --ordinary hold for all models: once one has answered, only more ordinary drives may
+    be asked for.
+
     --judge scores the open answers of all models, including earlier ones. --without-pictures and --retry-failed
     go for all judged models if no --vlm names one. --drop and --require alone ask no model. With --json the
     grades of a requirement are the member `requirements`.
@@ -185,13 +188,12 @@ class _Evaluation:
     @property
     def has_questions(self) -> bool:
         """True if there is more to do than to remove models and to grade."""
-        settings = (self.chain, self.rear_view, self.ordinary)
         return (
             bool(self.vlms or self.judge or self.answers)
             or self.protocol == "paper"
             or self.without_pictures
             or self.retry_failed
-            or any(setting is not None for setting in settings)
+            or bool(self.chosen)
         )
 
     def check(self) -> None:
@@ -214,18 +216,24 @@ class _Evaluation:
     def check_against(self, study: "Study") -> None:
         """Refuse what cannot be asked of a study, before a model is taken out of it."""
         from oodscen._pipeline.answering import read_answers
+        from oodscen._pipeline.dropping import without_models
+        from oodscen.study._shared_settings import refuse_changed_settings
         from oodscen.study._stale import refuse_stale
 
         if self.required is not None and not self.has_questions:
             # A model's questions would have the changed scenes run again.
             refuse_stale(study, study.episodes, study.scenes)
-        before = study.config.ordinary
-        if self.ordinary is not None and self.ordinary < before:
-            raise UsageError(
-                f"the models before were asked about {before} ordinary drives of every scene: "
-                f"leave out --ordinary {self.ordinary}"
-            )
+        if settings := {name: getattr(self, name) for name in self.chosen}:
+            config, verdicts, _ = without_models(study, self.dropped)
+            refuse_changed_settings(config, config.model_copy(update=settings), verdicts)
         read_answers(study, self.answers)
+
+    @property
+    def chosen(self) -> tuple[str, ...]:
+        """The names of the settings shared by all models that the options choose."""
+        from oodscen.study._config import SHARED
+
+        return tuple(name for name in SHARED if getattr(self, name) is not None)
 
     @property
     def named_models(self) -> list[str]:
@@ -252,15 +260,13 @@ class _Evaluation:
             "vlms": self.vlms or (config.vlms if is_paper else ()),
             "protocols": (self.protocol,),
             "asked": {},
-            "chain": bool(self.chain),
-            "rear_view": bool(self.rear_view),
             "withheld": (self.vlms or config.vlms) if self.without_pictures else (),
-            "ordinary": self.ordinary or 1,
             "people": add_answers(study, self.answers),
             "judge": self.judge,
             "servers": self.servers,
+            **{name: getattr(self, name) for name in self.chosen},
         }
-        return StudyConfig.parse(config.model_dump() | changes).judging_too(config)
+        return StudyConfig.parse(config.model_dump() | changes).judging_too(config, self.chosen)
 
 
 def _show_board(

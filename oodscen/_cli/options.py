@@ -256,11 +256,17 @@ style_option = click.option(
     type=click.Choice(("natural", "paper", "terse", "verbose", "first-person")),
     help="Style of the texts.  [default: natural]",
 )
-rear_view_option = click.option(
-    "--rear-view/--no-rear-view",
-    default=None,
-    help="Show the view from the rear window at the decision as well.  [default: --no-rear-view]",
-)
+
+
+def _rear_view_option(default: str) -> Callable[[Command], Command]:
+    return click.option(
+        "--rear-view/--no-rear-view",
+        default=None,
+        help=f"Show the view from the rear window at the decision as well.  [default: {default}]",
+    )
+
+
+rear_view_option = _rear_view_option("--no-rear-view")
 judging_options = grouped_options(
     click.option(
         "--protocol",
@@ -272,9 +278,9 @@ judging_options = grouped_options(
     click.option(
         "--chain/--no-chain",
         default=None,
-        help="Show a model its own descriptions of the frames before every question.  [default: --no-chain]",
+        help="Show a model its own descriptions of the frames before every question.  [default: the study's, or --no-chain]",
     ),
-    rear_view_option,
+    _rear_view_option("the study's, or --no-rear-view"),
     click.option(
         "--without-pictures",
         is_flag=True,
@@ -283,7 +289,7 @@ judging_options = grouped_options(
     click.option(
         "--ordinary",
         type=click.IntRange(1, 2),
-        help="Ordinary drives asked about per scene: its twin or its demand, or both.  [default: 1]",
+        help="Ordinary drives asked about per scene: its twin or its demand, or both.  [default: the study's, or 1]",
     ),
     click.option("--judge", help="Model that judges the open answers."),
 )

@@ -214,12 +214,13 @@ def run(
     given["protocols"] = ("ours", "paper") if protocol == "paper" else ("ours",)
     if without_pictures:
         given["withheld"] = given.get("vlms", ())
+    chosen = set(given)
     if quick:
         given = {**StudyConfig.quick().model_dump(), **given}
     config = StudyConfig.parse(given)
     before = Study(out)
     if before.store.has("study.json"):
-        config = config.judging_too(before.config)
+        config = config.judging_too(before.config, chosen)
     refuse_idle_prices(limits, config.models, config.servers)
     if not before.store.has("study.json"):
         _tell_outlook(config.simulator)

@@ -146,15 +146,24 @@ def _notes(board: "Leaderboard") -> list[str]:
 
 
 def left_out(verdicts: "Sequence[Verdict]") -> list[str]:
-    """State, one line per model and cause, how many items have no whole answer, and how to ask again."""
+    """State, one line per model and cause, how many items have no whole answer, and how to ask again.
+
+    The last line is about the judge, if it gave no usable answer about an open aspect.
+    """
     groups: dict[tuple[str, str], list[Verdict]] = {}
     for verdict in verdicts:
         if verdict.outcome in _INCOMPLETE:
             groups.setdefault((verdict.model, verdict.outcome), []).append(verdict)
-    return [
+    lines = [
         f"{model}: {len(group)} items {_INCOMPLETE[outcome].format(error=group[0].error, model=model)}"
         for (model, outcome), group in groups.items()
     ]
+    if reasons := [verdict.judge_error for verdict in verdicts if verdict.judge_error]:
+        lines.append(
+            f"the judge: no usable answer about {len(reasons)} open aspects, which the matcher scored, e.g. "
+            f"{reasons[0]}; --retry-failed asks again"
+        )
+    return lines
 
 
 def kept_verdicts(vlms: Iterable[str], ledger: "Ledger", asked_at: Mapping[str, str]) -> list[str]:

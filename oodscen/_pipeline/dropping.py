@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from oodscen._pipeline.steps.aspects import judged
 from oodscen._pipeline.steps.judge import outcomes
@@ -42,8 +42,24 @@ def drop_models(study: Study, names: Sequence[str]) -> dict[str, int]:
         return _drop(study, names)
 
 
-def _drop(study: Study, names: Sequence[str]) -> dict[str, int]:
+class Remaining(NamedTuple):
+    """The judging of a study without some of its models."""
+
+    config: StudyConfig
+    verdicts: list[Verdict]
+    dropped: dict[str, int]
+    """The number of removed verdicts by the name that was given."""
+
+
+def without_models(study: Study, names: Sequence[str]) -> Remaining:
+    """Return what remains of a study's judging without these models; the study stays as it is.
+
+    Raises:
+        UnknownComponent: When a name was never judged, with close matches.
+    """
     config, verdicts = study.config, study.stored_verdicts
+    if not names:
+        return Remaining(config, verdicts, {})
     answerers = _answerers(config)
     # A person's name may be typed in another form of the same characters.
     names = [as_name(name) if is_person(name) else name for name in names]
@@ -51,9 +67,17 @@ def _drop(study: Study, names: Sequence[str]) -> dict[str, int]:
     dropped = _dropped_entries(names, answerers)
     models = _dropped_models(names, dropped, answerers, verdicts)
     remaining = [verdict for verdict in verdicts if verdict.model not in models]
-    refuse_stale_verdicts(study, remaining)
+    counts = Counter(verdict.model for verdict in verdicts if verdict.model in models)
     people = tuple(name for name in config.people if person(name) not in models)
     config = _remaining(config, dropped).model_copy(update={"people": people})
+    return Remaining(
+        config, remaining, {name: counts[answerers.get(name) or name] for name in names}
+    )
+
+
+def _drop(study: Study, names: Sequence[str]) -> dict[str, int]:
+    config, remaining, counts = without_models(study, names)
+    refuse_stale_verdicts(study, remaining)
     info = _recounted(study, config, remaining)
     study.check()
     board = board_of(study, remaining)
@@ -61,8 +85,7 @@ def _drop(study: Study, names: Sequence[str]) -> dict[str, int]:
     study.store.write_lines("verdicts.jsonl", remaining)
     study.store.write("leaderboard.json", canonical_json(board.model_dump(mode="json")) + "\n")
     write_report(study)
-    counts = Counter(verdict.model for verdict in verdicts if verdict.model in models)
-    return {name: counts[answerers.get(name) or name] for name in names}
+    return counts
 
 
 def _answerers(config: StudyConfig) -> dict[str, str | None]:

@@ -33,6 +33,7 @@ from oodscen.prompts._judging.drive_facts import DriveFacts
 from oodscen.prompts._scenario.estimate_rarity import EstimateRarity
 from oodscen.protocols import LLM, Completion, Request, Usage
 from oodscen.study._config import StudyConfig
+from oodscen.study._stale_verdicts import Tables
 from oodscen.study._store import Store
 from oodscen.study._study import Study
 
@@ -94,17 +95,24 @@ def estimate(
                 for prompt in questions([text.text for text in texts])
                 for _ in range(DRAWS)
             ]
-        judged = {line["id"] for line in store.lines("verdicts.jsonl")}
+        kept = _kept(study)
         for name in filter(is_asked, config.vlms):
             model = _PricedAuthor(name, config.seed, prices)
             lines += [
                 model.line(Request(prompt, prompt.messages(), prompt.answer_schema()))
                 for scene in scenes
                 for verdict, prompts in _judging(scene.id, name, config)
-                if verdict not in judged
+                if verdict not in kept
                 for prompt in prompts
             ]
     return accounts(lines)
+
+
+def _kept(study: Study) -> set[str]:
+    """Return the ids of verdicts that a run keeps without a question."""
+    verdicts = study.stored_verdicts
+    stale = {verdict.id for verdict in Tables.of(study).stale(verdicts)} if verdicts else set()
+    return {verdict.id for verdict in verdicts if not verdict.retryable} - stale
 
 
 def _items(scene_id: str, config: StudyConfig) -> tuple[str, ...]:

@@ -1,5 +1,8 @@
 """The models of one run: made by name, metered, recorded and accounted for."""
 
+from collections.abc import Mapping
+from typing import Any
+
 from oodscen._pipeline.options import RunOptions
 from oodscen._registry import is_builtin, make_llm
 from oodscen.data._verdict import without_pictures
@@ -109,7 +112,7 @@ class Models:
 
     def _make(self, name: str) -> LLM:
         try:
-            return make_llm(
+            model = make_llm(
                 self._options.models.get(name) or name,
                 seed=self._config.seed,
                 api_base=self._config.servers.get(name, self._config.api_base),
@@ -121,13 +124,26 @@ class Models:
             raise UsageError(
                 f"{error}; it was judged in this study before, and oodscen evaluate --drop {name} takes it out"
             ) from None
+        if isinstance(model, ReplayLLM) and self._is_new_answerer(name):
+            model.refuse_several()
+        return model
+
+    def _is_new_answerer(self, name: str) -> bool:
+        """Return whether a model is to be judged, or to judge, that the study on disk does not name as such."""
+        if name == self._config.judge:
+            return name != self._config_before().get("judge")
+        return name in self._config.vlms and name not in self._judged_before()
 
     def _judged_before(self) -> tuple[str, ...]:
         """Return the models that the study on disk names as judged."""
+        return tuple(self._config_before().get("vlms", ()))
+
+    def _config_before(self) -> Mapping[str, Any]:
+        """Return the configuration of the study on disk; empty if there is none."""
         if not self._store.has("study.json"):
-            return ()
-        config = self._store.read("study.json").get("config", {})
-        return tuple(config.get("vlms", ()))
+            return {}
+        config: Mapping[str, Any] = self._store.read("study.json").get("config", {})
+        return config
 
     def _log(self, call: Call) -> None:
         call = call.model_copy(update={"stage": self.stage})

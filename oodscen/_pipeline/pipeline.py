@@ -29,11 +29,13 @@ from oodscen.data._base import canonical_json
 from oodscen.data._pairing import kind_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
+from oodscen.data._verdict import Verdict
 from oodscen.errors import OodscenError, RunStopped, StudyError, StudyMismatch
 from oodscen.llm._accounting import accounts
 from oodscen.report._render import write_report
 from oodscen.study._config import JUDGING, Status, StudyConfig
 from oodscen.study._record import record
+from oodscen.study._shared_settings import refuse_changed_settings
 from oodscen.study._stale_verdicts import OPINIONS
 from oodscen.study._study import Study
 from oodscen.tree._scenario_tree import ScenarioTree
@@ -187,6 +189,8 @@ class Pipeline:
                 differences["oodscen"] = (made_with, __version__)
             if differences:
                 raise StudyMismatch(str(self.study.folder), differences)
+            verdicts = map(Verdict.parse, self.store.lines("verdicts.jsonl"))
+            refuse_changed_settings(self.study.config, self.config, verdicts)
         self.study.check()
         refuse_late_outputs(self.store, self.context.options.outputs)
 

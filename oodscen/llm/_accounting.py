@@ -32,7 +32,7 @@ class Account(Data):
     cached_tokens: int
     cacheable_tokens: int
     cost_usd: float | None
-    """Cost in USD; `None` if that of an answered call is not known."""
+    """Cost in USD; `None` if that of a call with an answer or tokens is not known."""
     seconds: float
     """Sum over all calls, some of which may have overlapped."""
     p50_s: float
@@ -58,8 +58,7 @@ def accounts(
 def account(group: tuple[str, ...], calls: Sequence[Mapping[str, Any]]) -> Account:
     """Sum up the calls of one group; missing and invalid amounts count as 0."""
     requests = [int(_number(call, "requests")) for call in calls]
-    unanswered = ("failed", "interrupted")
-    costs = [call.get("cost_usd") for call in calls if call.get("status") not in unanswered]
+    costs = [call.get("cost_usd") for call in calls if _is_billed(call)]
     known_costs = [float(cost) for cost in costs if _is_amount(cost)]
     seconds = sorted(_number(call, "seconds") for call in calls)
     return Account(
@@ -101,7 +100,7 @@ class Ledger:
             self.failed += call.status == "failed"
             self.tokens += call.input_tokens + call.output_tokens
             self.cost_usd += call.cost_usd or 0.0
-            is_free = call.status != "ok" or not (call.input_tokens + call.output_tokens)
+            is_free = not (call.input_tokens + call.output_tokens)
             self.is_priced &= call.cost_usd is not None or is_free
 
     def __str__(self) -> str:
@@ -114,6 +113,12 @@ class Ledger:
             parts += [f"{self.tokens / 1000:.0f}k tokens", cost]
         counts = {"retries": self.retries, "repairs": self.repairs, "failed": self.failed}
         return ", ".join([*parts, *(f"{count} {noun}" for noun, count in counts.items() if count)])
+
+
+def _is_billed(call: Mapping[str, Any]) -> bool:
+    """Return whether a call has a cost: one that was answered, or whose answer a filter withheld."""
+    is_answered = call.get("status") not in ("failed", "interrupted")
+    return is_answered or _number(call, "input_tokens") + _number(call, "output_tokens") > 0
 
 
 def _number(call: Mapping[str, Any], name: str) -> float:

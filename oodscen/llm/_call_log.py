@@ -91,7 +91,8 @@ class LoggedLLM(WrappingLLM):
         asked_at: datetime,
         seconds: float,
     ) -> Call:
-        usage = plausible_usage(completion.usage, request) if completion else Usage()
+        stated = completion.usage if completion else getattr(failure, "usage", None)
+        usage = plausible_usage(stated, request) if isinstance(stated, Usage) else Usage()
         status, fault = _status(failure)
         return Call(
             purpose=request.prompt.purpose,

@@ -9,7 +9,7 @@ import json
 import os
 import threading
 import weakref
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from io import FileIO
 from pathlib import Path
@@ -162,14 +162,27 @@ class Recording(Brief):
             spans = [span for span in self._spans.get(key, ()) if model in (None, span.model)]
         if not spans:
             return None
+        self._refuse_several(spans)
+        with self._open_file() as file:
+            return self._load(file, spans[-1])
+
+    def refuse_several(self) -> None:
+        """Refuse a recording in which several models answered one question.
+
+        Raises:
+            UsageError: If this is one.
+        """
+        with self._lock:
+            for spans in self._spans.values():
+                self._refuse_several(spans)
+
+    def _refuse_several(self, spans: Iterable[_LineSpan]) -> None:
         names = sorted({span.model for span in spans})
         if len(names) > 1:
             raise UsageError(
                 f"{self.path} has answers of several models to the same question ({', '.join(names)}); "
                 f"choose one, e.g. replay:{self.path}#{names[0]}"
             )
-        with self._open_file() as file:
-            return self._load(file, spans[-1])
 
     @property
     def models(self) -> set[str]:

@@ -85,6 +85,15 @@ class ReplayLLM(Brief):
         names = {self._model} if self._model else self._recording.models
         return (names.pop() if len(names) == 1 else "") or self.name
 
+    def refuse_several(self) -> None:
+        """Refuse a recording in which several models answered one question, unless one is chosen.
+
+        Raises:
+            UsageError: If it is one.
+        """
+        if not self._model:
+            self._recording.refuse_several()
+
     def complete(self, request: Request) -> Completion:
         """Return the recorded answer.
 

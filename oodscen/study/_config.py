@@ -1,6 +1,6 @@
 """The configuration of a study; equal configurations give the same bytes."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 from pydantic import (
@@ -224,11 +224,11 @@ class StudyConfig(Data):
             return tuple(name for name in DEFAULT_CATALOGUES if name in installed)
         return tuple(name for name in self.catalogues if name != self.simulator)
 
-    def judging_too(self, other: Self) -> Self:
+    def judging_too(self, other: Self, chosen: Collection[str] = ()) -> Self:
         """Return this configuration plus everything about another's judging; its own judge wins.
 
         Every model keeps the protocols that it was judged by, and gets those of this configuration if that
-        names it.
+        names it. `SHARED` fields are the other's, except for `chosen` ones.
         """
         both = tuple(dict.fromkeys((*other.protocols, *self.protocols)))
         vlms = tuple(dict.fromkeys((*other.vlms, *self.vlms)))
@@ -244,13 +244,11 @@ class StudyConfig(Data):
                 "asked": {
                     name: protocols for name, protocols in asked.items() if protocols != both
                 },
-                "chain": self.chain or other.chain,
-                "rear_view": self.rear_view or other.rear_view,
                 "withheld": tuple(dict.fromkeys((*other.withheld, *self.withheld))),
-                "ordinary": max(self.ordinary, other.ordinary),
                 "people": tuple(dict.fromkeys((*other.people, *self.people))),
                 "judge": self.judge or other.judge,
                 "servers": other.servers | self.servers,
+                **{name: getattr(other, name) for name in SHARED if name not in chosen},
             }
         )
 
@@ -263,14 +261,15 @@ class StudyConfig(Data):
         }
 
 
+SHARED = ("chain", "rear_view", "ordinary")
+"""Fields on how all judged models are asked; they are kept as soon as a model has answered."""
+
 JUDGING = (
+    *SHARED,
     "vlms",
     "protocols",
     "asked",
-    "chain",
-    "rear_view",
     "withheld",
-    "ordinary",
     "people",
     "judge",
     "servers",

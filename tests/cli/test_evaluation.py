@@ -1,3 +1,4 @@
+import itertools
 import json
 import re
 import shlex
@@ -145,6 +146,70 @@ def test_a_command_that_is_refused_takes_no_model_out(study, tmp_path) -> None:
     assert (study / "verdicts.jsonl").read_bytes() == before
 
 
+def test_a_setting_that_all_models_share_is_kept_unless_no_model_has_answered(
+    study, tmp_path, monkeypatch
+) -> None:
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "shared_class.py").write_text(OWN.format("stop"))
+    judge = ("evaluate", study, "--vlm", "shared_class:Own")
+    names = (
+        "simulator",
+        "encoder",
+        "baseline",
+        "iterations",
+        "max_paths",
+        "seed",
+        "width",
+        "height",
+    )
+    values = {f"--{name.replace('_', '-')}": getattr(SMALL, name) for name in names}
+    run = ("run", study, "--quick", *itertools.chain.from_iterable(values.items()))
+    assert invoke("evaluate", study, "--vlm", "random", "--chain").exit_code == 0
+    assert invoke(*run, "--no-chain").exit_code == 0
+    assert not Study.open(study).config.chain
+    assert invoke(*judge, "--chain").exit_code == 0
+    before = {name: (study / name).read_bytes() for name in ("study.json", "verdicts.jsonl")}
+    for order in (judge, run, ("evaluate", study, "--drop", "random")):
+        for options in (("--no-chain",), ("--rear-view",), ("--dry-run", "--no-chain")):
+            if "--drop" in order and "--dry-run" in options:
+                continue
+            refused = invoke(*order, *options)
+            assert refused.exit_code == 2
+            assert f"leave out {options[-1]}" in refused.output
+            assert before == {name: (study / name).read_bytes() for name in before}
+    assert invoke(*run).exit_code == 0
+    assert Study.open(study).config.chain
+    again = invoke(*judge, "--drop", "own", "--no-chain", "--ordinary", "2")
+    assert again.exit_code == 0
+    config = Study.open(study).config
+    assert (config.chain, config.ordinary) == (False, 2)
+    refused = invoke(*judge, "--ordinary", "1")
+    assert (refused.exit_code, "judged with --ordinary 2" in refused.output) == (2, True)
+
+
+def test_a_recording_of_several_models_is_refused_before_it_enters_the_study(
+    study, tmp_path, monkeypatch
+) -> None:
+    (tmp_path / "here").mkdir()
+    (tmp_path / "here" / "recorded_class.py").write_text(OWN.format("stop"))
+    monkeypatch.syspath_prepend(tmp_path / "here")
+    source = shutil.copytree(study, tmp_path / "source")
+    assert invoke("evaluate", source, "--vlm", "recorded_class:Own").exit_code == 0
+    recording = tmp_path / "two.jsonl"
+    lines = [json.loads(line) for line in (source / "answers.jsonl").read_text().splitlines()]
+    both = [{**line, "model": name} for name in ("one", "two") for line in lines]
+    recording.write_text("".join(json.dumps(line) + "\n" for line in both))
+    before = {path.name: path.read_bytes() for path in study.iterdir() if path.is_file()}
+    for order in (("--vlm",), ("--dry-run", "--vlm"), ("--judge",)):
+        refused = invoke("evaluate", study, *order, f"replay:{recording}")
+        assert (refused.exit_code, f"replay:{recording}#one" in refused.output) == (2, True)
+        assert before == {
+            path.name: path.read_bytes() for path in study.iterdir() if path.is_file()
+        }
+    assert invoke("evaluate", study, "--vlm", f"replay:{recording}#one").exit_code == 0
+    assert invoke("evaluate", study, "--vlm", "random").exit_code == 0
+
+
 OWN = """
 import json
 from oodscen.protocols import Completion
@@ -155,6 +220,7 @@ class Own:
 
     def complete(self, request):
         answer = {{"is_ood": True, "confidence": 0.6, "aspect": "a box", "choice": 1, "action": "{}"}}
+        answer["description"] = "A road."
         fields = request.schema["properties"]
         return Completion(text=json.dumps({{key: answer[key] for key in answer if key in fields}}))
 """

@@ -26,6 +26,14 @@ def test_items_without_a_whole_answer_are_told_per_model() -> None:
     ]
 
 
+def test_why_a_judge_decided_nothing_is_told_once() -> None:
+    verdict = Verdict(id="x@m", scene_id="x", model="m", judge_error="the key is refused")
+    assert left_out([verdict, verdict, verdict.model_copy(update={"judge_error": ""})]) == [
+        "the judge: no usable answer about 2 open aspects, which the matcher scored, e.g. the key is refused; "
+        "--retry-failed asks again"
+    ]
+
+
 def test_a_model_named_twice_is_told_once() -> None:
     ledger = Ledger()
     ledger.kept_verdicts["mm"] = "mm", 8

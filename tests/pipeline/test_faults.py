@@ -2,6 +2,7 @@
 
 import json
 import random
+import shutil
 import threading
 from collections import Counter
 from concurrent.futures import Executor, Future
@@ -293,6 +294,30 @@ def test_an_estimate_counts_the_calls_of_both_protocols(tmp_path, frames):
     asked = Counter(line["model"] for line in study.store.lines("calls.jsonl"))
     assert calls == {name: asked[name] for name in models}
     assert estimate(study.folder, config, RunOptions(models=models)) == []
+
+
+def test_an_estimate_counts_what_will_be_asked_again(small, tmp_path):
+    def gone(request):
+        raise LLMError("boom", retryable=True)
+
+    out = shutil.copytree(small, tmp_path / "study")
+    config = SMALL.model_copy(update={"vlms": ("gone", "there")})
+    answers = {"is_ood": True, "aspect": "x", "confidence": 0.8, "choice": 1, "action": "stop"}
+
+    def answer(request):
+        return {key: answers[key] for key in request.schema["properties"] if key in answers}
+
+    models = {"gone": ScriptedLLM(gone, name="gone"), "there": ScriptedLLM(answer, name="there")}
+    study = run_study(out, config, models=models)
+    items = len({verdict.scene_id for verdict in study.verdicts if verdict.model == "gone"})
+    rows = estimate(out, config, RunOptions(models=models))
+    assert [(row.group[1], row.calls) for row in rows] == [("gone", 3 * items)]
+    verdicts = [
+        {**line, "made_from": "other drives"} for line in study.store.lines("verdicts.jsonl")
+    ]
+    study.store.write_lines("verdicts.jsonl", verdicts)
+    rows = estimate(out, config, RunOptions(models=models))
+    assert {row.group[1]: row.calls for row in rows} == {"gone": 3 * items, "there": 3 * items}
 
 
 def call(*arguments):

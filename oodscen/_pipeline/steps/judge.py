@@ -71,7 +71,7 @@ def evaluate(
 
     A model that is given up costs its own items only (`unasked`). New items of all models come first, then
     items left by a model that was given up, and last items that failed before; these keep their old verdict
-    if they are not asked again.
+    if they are not asked again, or if fewer of their questions are answered.
     """
     episodes, asked, scenes = Judged.of(episodes, scenes, run.config)
     answerers = _answerers(run, episodes, scenarios, scenes)
@@ -135,7 +135,7 @@ def _ask(
     todo: Mapping[str, Item],
     earlier: Mapping[str, Mapping[str, Any]],
 ) -> Iterator[Verdict]:
-    """Yield the verdicts on items; one that failed in the `earlier` lines keeps its verdict if it is left unasked."""
+    """Yield the verdicts on items; one in the `earlier` lines keeps its verdict unless the new one tells as much."""
     for turn in ("new", "unasked", "failed"):
         items = [item for key, item in todo.items() if _turn(earlier.get(key)) == turn]
         with run.models.limits.lenient(math.inf if turn == "failed" else JUDGING):
@@ -144,8 +144,23 @@ def _ask(
                 for _, verdict in as_finished(
                     questioner.verdict, batch, threads=answerer.threads, cancel=run.cancel
                 ):
-                    is_kept = verdict.outcome == "unasked" and turn == "failed"
-                    yield Verdict.parse(earlier[verdict.id]) if is_kept else verdict
+                    line = earlier.get(verdict.id)
+                    before = None if line is None else Verdict.parse(line)
+                    yield verdict if before is None or not _is_less(verdict, before) else before
+
+
+def _is_less(verdict: Verdict, before: Verdict) -> bool:
+    """Return whether a failed verdict tells less about a model than the one before."""
+    if verdict.status != "failed":
+        return False
+    if verdict.outcome == "unasked" and before.outcome != "unasked":
+        return True
+    return _answered(verdict) < _answered(before)
+
+
+def _answered(verdict: Verdict) -> int:
+    """Return the number of questions that got a usable answer."""
+    return sum(answer is not None for answer in (verdict.is_ood, verdict.choice, verdict.action))
 
 
 def _count_kept(

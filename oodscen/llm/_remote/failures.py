@@ -10,6 +10,7 @@ from typing import Any, Literal
 from oodscen._redaction import redact_start
 from oodscen._text import one_line
 from oodscen.llm._remote.call_bounds import KEPT_BYTES, CallBounds
+from oodscen.protocols import Usage
 
 Kind = Literal["item", "filtered", "limit", "late", "unreachable", "erring", "denied"]
 """The meaning of a failure.
@@ -76,6 +77,10 @@ _UNSENDABLE = "a key or a name in the environment holds characters that a reques
 class Filtered(Exception):
     """Raised when a content filter withheld or cut the answer; callers never see it."""
 
+    def __init__(self, message: str, usage: Usage) -> None:
+        self.usage = usage
+        super().__init__(message)
+
 
 class NoAnswer(Exception):
     """Raised for a response that is well-formed but holds no answer; callers never see it."""
@@ -96,6 +101,8 @@ class FailedAttempt:
     """Status of the HTTP response, if there was one."""
     raw: str = ""
     """The beginning of an unreadable response."""
+    usage: Usage | None = None
+    """Usage that a filtered response states."""
 
     @property
     def is_unusable(self) -> bool:

@@ -234,6 +234,9 @@ class LiteLLM(Brief):
             except Exception as error:
                 failure = diagnose(self.name, error, bounds)
                 used = Spent(1) if failure.is_free else most
+                if isinstance(error, Filtered):
+                    failure = replace(failure, usage=error.usage)
+                    used = self._used(error.usage, most)
             else:
                 self._endpoint.note_answer(self.name)
                 return completion
@@ -264,7 +267,7 @@ class LiteLLM(Brief):
 
     def _error(self, failure: FailedAttempt) -> LLMError:
         if failure.kind == "filtered":
-            return ContentFiltered(failure.message, model=self.name)
+            return ContentFiltered(failure.message, model=self.name, usage=failure.usage)
         if failure.kind == "late":
             return LLMTimeout(failure.message, model=self.name, retryable=True)
         if failure.is_unusable:
@@ -294,15 +297,16 @@ class LiteLLM(Brief):
             raise NoAnswer("the response holds no answer: its list of choices is empty")
         choice = response.choices[0]
         ending = getattr(choice, "finish_reason", "")
+        usage = plausible_usage(self._usage(response), request)
         if ending == "content_filter":
-            raise Filtered("the answer was withheld or cut")
+            raise Filtered("the answer was withheld or cut", usage)
         # litellm takes an ending that it does not know for "stop", and keeps what OpenAI's fields lack apart.
         native_ending = _native_fields(choice).get("native_finish_reason")
         refusal = _native_fields(choice.message).get("refusal")
         text = choice.message.content or (refusal if isinstance(refusal, str) else "")
         return Completion(
             text=redact_keys(text.encode("utf-8", "replace").decode()),
-            usage=plausible_usage(self._usage(response), request),
+            usage=usage,
             is_cut_off=ending == "length" or str(native_ending).casefold() in _CUT_OFF,
             instead=None if text.strip() else _in_place_of_text(choice.message),
         )

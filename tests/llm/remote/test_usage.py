@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.errors import BudgetExceeded, UsageError
+from oodscen.errors import BudgetExceeded, ContentFiltered, UsageError
 from oodscen.llm._accounting import Ledger, accounts
 from oodscen.llm._call_log import LoggedLLM
 from oodscen.llm._capped import CappedLLM
@@ -23,7 +23,7 @@ from oodscen.llm._remote.usage import (
 )
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Completion, Request, Usage
-from oodscen.testing import ScriptedLLM
+from oodscen.testing import AnsweringServer, ScriptedLLM
 from tests.llm.rogue import BEGINNING, saying, talking
 
 PROMPT = ImagineScenario(shown=("A deer crosses.",))
@@ -79,6 +79,25 @@ def test_impossible_usage_is_charged_at_the_estimate(usage):
     assert limits.budget.spent.tokens == 2 * most
     assert limits.budget.spent.cost_usd == pytest.approx(2 * most / 1e6)
     assert limits.budget.answer_tokens == ANSWER_TOKENS
+
+
+@pytest.mark.parametrize(("fault", "is_billed"), [("withheld", 1), ("flagged", 1), ("filtered", 0)])
+def test_an_answer_that_a_filter_withheld_counts_what_the_provider_states(fault, is_billed):
+    limits = Limits(tokens=10**6, prices={"m": Price(1.0, 1.0)}, patience_s=None)
+    ledger, lines = Ledger(), []
+    with AnsweringServer(
+        ScriptedLLM(lambda request: {"text": "A deer."}), faults=lambda index, request: fault
+    ) as server:
+        client = server.client("m", limits=limits)
+        llm = LoggedLLM(client, lambda call: (ledger.add(call), lines.append(call.model_dump())))
+        with pytest.raises(ContentFiltered) as caught:
+            llm.complete(REQUEST)
+    assert (caught.value.usage is not None) == bool(is_billed)
+    (account,) = accounts(lines)
+    tokens = account.input_tokens + account.output_tokens
+    assert (tokens > 0) == bool(is_billed)
+    assert limits.budget.spent.tokens == ledger.tokens == tokens
+    assert account.cost_usd == pytest.approx(tokens / 1e6) == pytest.approx(ledger.cost_usd)
 
 
 def test_a_discount_that_cannot_be_makes_no_cost_negative():

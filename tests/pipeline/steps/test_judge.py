@@ -524,12 +524,56 @@ def test_an_interruption_keeps_lines_counts_and_the_way_on(folder, tmp_path):
     assert tally(study, "m") == {"answered": len(asked_about(study))}
 
 
-def test_the_view_to_the_rear_is_shown_once_it_is_asked_for_and_then_asked_about_again(
-    folder, tmp_path
-):
+def test_a_model_that_fails_when_asked_again_keeps_the_answers_that_it_gave(folder, tmp_path):
+    out = shutil.copytree(folder, tmp_path / "out")
+    said = {"is_ood": True, "confidence": 0.7, "aspect": "a box", "choice": 1, "action": "fly"}
+
+    def answer(request):
+        return {key: said[key] for key in request.schema["properties"] if key in said}
+
+    def fail(request):
+        raise LLMError("boom")
+
+    study = run_study(out, judging("m"), models={"m": scripted("m", answer)})
+    before = of(study, "m")
+    assert {row.outcome for row in before.values()} == {"unparsed"}
+    assert all(row.choice is not None for row in before.values())
+    study = run_study(out, judging("m"), models={"m": scripted("m", fail)}, retry=True)
+    assert of(study, "m") == before
+
+
+def scripted(name, answer):
+    model = ScriptedLLM(answer)
+    model.name = name
+    return model
+
+
+def test_how_models_are_asked_stays_once_one_has_answered(folder, tmp_path):
+    out = shutil.copytree(folder, tmp_path / "out")
+    models = {"m": ConstantAnswerer("stop"), "n": ConstantAnswerer("stop")}
+    for name, model in models.items():
+        model.name, model.kind = name, "model"
+    set_to = {"rear_view": True, "chain": True, "ordinary": 2}
+    config = judging("m").model_copy(update=set_to)
+    run_study(out, config, models=models)
+    files = {name: (out / name).read_bytes() for name in ("study.json", "verdicts.jsonl")}
+    for name, value in {"rear_view": False, "chain": False, "ordinary": 1}.items():
+        other = judging("m", "n").model_copy(update={**set_to, name: value})
+        with pytest.raises(UsageError, match=f"judged with --{name.replace('_', '-')}"):
+            run_study(out, other, models=models)
+        assert files == {name: (out / name).read_bytes() for name in files}
+    run_study(out, judging("n"), models=models)
+    more = judging("n", "m").model_copy(update={"ordinary": 2})
+    study = run_study(out, more, models=models)
+    assert len(of(study, "n")) == len(of(study, "m")) == len(asked_about(study))
+
+
+def test_the_view_to_the_rear_is_shown_where_it_is_asked_for(folder, tmp_path):
     out = shutil.copytree(folder, tmp_path / "out")
     shown = []
     for is_rear in (False, True, True):
+        if len(shown) == 1:
+            drop_models(Study.open(out), ["m"])
         asked = []
         model = ScriptedLLM(
             lambda request, asked=asked: asked.append(request) or {"action": "stop"}
