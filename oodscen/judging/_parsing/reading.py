@@ -152,12 +152,16 @@ _COURTESY = re.compile(
 
 def _labelled(prose: str, requested: re.Pattern[str]) -> dict[str, Any] | None:
     """Return tidied prose as an object if its first line has the label of a member; other lines go on with theirs."""
-    known_names = (requested, REASON, CONFIDENCE)
+
+    def is_known(label: str) -> bool:
+        return any(names.fullmatch(spelt(label)) for names in (requested, REASON, CONFIDENCE))
+
     members: dict[str, str] = {}
     name = ""
-    for line in _NEXT.sub("\n", prose).split("\n"):
+    parted = _NEXT.sub(lambda mark: "\n" if is_known(mark[1]) else mark[0], prose)
+    for line in parted.split("\n"):
         label = _LABEL.fullmatch(line)
-        if label and any(pattern.fullmatch(spelt(label[1])) for pattern in known_names):
+        if label and is_known(label[1]):
             name = spelt(label[1])
             if name in members:
                 raise UnusableError(TWO_ANSWERS)
@@ -171,7 +175,8 @@ def _labelled(prose: str, requested: re.Pattern[str]) -> dict[str, Any] | None:
     return {name: words.strip(" .") for name, words in members.items()}
 
 
-_NEXT = re.compile(r"[.,;] (?=\w+ ?[:=] ?\w)")
+_NEXT = re.compile(r"[.,;] (?=(\w+) ?[:=] ?\w)")
+"""Matches what stands before the label of another member in the same line."""
 _LABEL = re.compile(r"(?:[-\u2022] |#{1,6} )?([\w ]{2,40}?) ?[:=] ?(.*)")
 
 

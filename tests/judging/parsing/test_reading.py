@@ -377,6 +377,14 @@ def test_labelled_lines_are_read_like_an_object(said, value):
 
 
 @pytest.mark.parametrize(
+    "aspect", ["a clock that shows, 10:30 in the tunnel", "a sign. ROAD: closed", "a bus; line = 5"]
+)
+def test_marks_inside_a_labelled_value_are_kept(aspect):
+    assert read_aspect(f"is_ood: yes, aspect: {aspect}. Confidence: 0.8").value.aspect == aspect
+    assert read_named_aspect(f"aspect: {aspect}").value == aspect
+
+
+@pytest.mark.parametrize(
     ("value", "found"),
     [("...", True), (" \u2026\n", True), ("<action>", True), ("stop", False), (3, False), (None, False)],
 )  # fmt: skip
