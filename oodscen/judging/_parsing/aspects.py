@@ -40,19 +40,21 @@ _THING = (
     r"|deviation|behaviou?r)s?|(?:anomal|abnormalit|irregularit|activit)(?:y|ies))"
 )
 _WHERE = rf"(?: (?:here|(?:in|on|about|with|of) (?:this|the|these) (?:\w+ )?{_SCENE}))?"
-_FOUND = rf"(?:(?: {_IS})? (?:found|detected|visible|present){_WHERE})?"
+_FOUND = (
+    rf"(?:(?: (?:{_IS}|was|were|(?:has|have) been))? (?:found|detected|visible|present){_WHERE})?"
+)
 _ALL = rf"(?:everything|it|this|all|(?:the|this|these) (?:\w+ )?{_SCENE}){_WHERE}"
 _THERE = rf"(?:(?:there (?:is|are|(?:seems?|appears?) to be)|i (?:can |could )?{_SEE}|{_ALL} (?:shows?|contains?|has|have)) )?"
 _IS_ODD = rf"(?: (?:(?:that|which) )?{_IS}(?: to be)?)?(?: \w+ly)? {_ODD}"
 _NOTHING_ODD = (
     rf"{_THERE}(?:nothing{_WHERE}(?:{_IS_ODD}| stands out)"
-    rf"|no(?:ne of the)? (?:(?:single|one|clear|other|\w+ly) )*(?:{_ODD} )?{_THING}(?: (?:or|nor|and) (?:{_ODD} )?{_THING})*"
+    rf"|no(?:ne of the)? (?:(?:single|one|clear|obvious|apparent|visible|particular|other|\w+ly) )*(?:{_ODD} )?{_THING}(?: (?:or|nor|and) (?:{_ODD} )?{_THING})*"
     rf"{_WHERE}(?:{_IS_ODD})?){_WHERE}{_FOUND}"
 )
 _USUAL_SCENE = rf"(?:(?:an?|just|only|quite|\w+ly) )*(?:{_ORDINARY}|fine|clear|not {_ODD})(?: (?:\w+ )?{_SCENE})?{_WHERE}"
 _ALL_USUAL = rf"{_ALL}(?: {_IS}(?: like| to be)?)? {_USUAL_SCENE}"
 _NOTHING = re.compile(
-    rf"\W*(?:(?:that|and|with|but) )?(?:{_THERE}(?:none|nothing|no|no {_ODD}|{_USUAL_SCENE}){_WHERE}{_FOUND}"
+    rf"\W*(?:(?:that|and|with|but) )?(?:{_THERE}(?:(?:none|nothing|no)(?: {_ODD})?|{_USUAL_SCENE}){_WHERE}{_FOUND}"
     rf"|(?:nil|null|false|n/?a|not applicable|unknown){_WHERE}|{_NOTHING_ODD}|{_ALL_USUAL})\W*"
 )
 """Matches plain words that say, as a whole, that there is no aspect; "no driver, which is unusual" names one."""
@@ -94,7 +96,7 @@ _USUAL = re.compile(
     rf"\b(?:{_ORDINARY}|nothing|no|none|fine|clear)\b"
 )
 """Matches a word that goes with an answer of no, in folded prose."""
-_CLAUSES = re.compile(r"[,.;:!?()\n\u2013\u2014]+|(?<=\s)-|\band\b")
+_CLAUSES = re.compile(r"[,.;:!?()\n\u2013\u2014]+|(?<=\s)-|\band\b|\bwith(?= no\b)")
 """Matches what stands between clauses."""
 _RETRACTS = re.compile(
     rf"\W*(?:(?:it is|this is|that is|all|just|only|an?|the|some|\w+ly) )*{_ORDINARY}\b.*"

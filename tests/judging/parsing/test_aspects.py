@@ -113,7 +113,8 @@ NOTHING = (
     "No deer, no dog: nothing unusual", "There's nothing unusual", "There\u2019s nothing unusual", "I can't see anything unusual",
     "I couldn't detect any anomalies", "There doesn't appear to be anything unusual", "Nothing notable", "No issues",
     "No unusual objects or events", "It looks like a normal road", "Everything looks normal and clear", "All clear",
-    "The image shows a normal road", "It's a typical street", "Nothing, just a normal road",
+    "The image shows a normal road", "It's a typical street", "No obvious hazards",
+    "No anomalies were detected", "The road is clear with no visible hazards", "None of note", "Nothing, just a normal road",
 )  # fmt: skip
 
 
