@@ -20,7 +20,6 @@ from oodscen.judging._parsing import (
     read_aspect,
     read_choice,
     read_named_aspect,
-    reasoning_in,
 )
 from oodscen.judging._references import AspectOption
 from oodscen.prompts._judging.choose_action import ActionOption, ChooseAction, ChosenAction
@@ -125,8 +124,8 @@ class AnswerReader(Generic[Value, Answer]):
     """The question's purpose, e.g. `choose-action`."""
     parse: Callable[[str], ParsedAnswer[Value]]
     """Parses a model's text."""
-    make: Callable[[str, Value], Answer]
-    """Makes the answer from the text and the parsed value."""
+    make: Callable[[Value, str], Answer]
+    """Makes the answer from the parsed value and the reasons given with it."""
     form: str
     """The expected format, for a model whose answer is unreadable."""
     fields: Callable[[Answer], dict[str, Any]]
@@ -143,7 +142,7 @@ class AnswerReader(Generic[Value, Answer]):
             raise AnswerError(model, self.purpose, [Issue("", "it declines to answer")], raw, 1)
         if reading.value is None:
             return None, [Issue("", f"{reading.note}; give {self.form}")], reading.note
-        return self.make(raw, reading.value), [], reading.note
+        return self.make(reading.value, reading.reasons), [], reading.note
 
 
 def naming_reader(protocol: Protocol = "ours") -> AnswerReader[Any, Any]:
@@ -152,14 +151,14 @@ def naming_reader(protocol: Protocol = "ours") -> AnswerReader[Any, Any]:
         return AnswerReader(
             NameOodAspect.purpose,
             read_named_aspect,
-            lambda raw, aspect: NamedAspect(aspect=aspect),
+            lambda aspect, reasons: NamedAspect(aspect=aspect),
             '"aspect": one short noun phrase',
             _named_fields,
         )
     return AnswerReader(
         NameAspect.purpose,
         read_aspect,
-        lambda raw, detected: OodAspect(
+        lambda detected, reasons: OodAspect(
             is_ood=detected.is_ood, aspect=detected.aspect, confidence=detected.confidence
         ),
         '"is_ood": true or false, and where it is true "aspect": one short noun phrase',
@@ -178,7 +177,7 @@ def choosing_reader(options: Sequence[AspectOption]) -> AnswerReader[str, Chosen
     return AnswerReader(
         ChooseAspect.purpose,
         lambda raw: read_choice(raw, labels),
-        lambda raw, name: ChosenAspect(choice=names.index(name) + 1),
+        lambda name, reasons: ChosenAspect(choice=names.index(name) + 1),
         f'"choice": one number from 1 to {len(names)}',
         lambda answer: {"choice": names[answer.choice - 1]},
     )
@@ -189,7 +188,7 @@ def acting_reader() -> AnswerReader[str, ChosenAction]:
     return AnswerReader(
         ChooseAction.purpose,
         lambda raw: read_action(raw, ACTIONS),
-        lambda raw, name: ChosenAction(action=name, reasoning=reasoning_in(raw)),
+        lambda name, reasons: ChosenAction(action=name, reasoning=reasons),
         f'"action": exactly one of {", ".join(ACTIONS)}',
         lambda answer: {
             "action": answer.action,

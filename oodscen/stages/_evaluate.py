@@ -43,7 +43,7 @@ KEPT_DESCRIPTION = 6_000
 _DESCRIPTION_READER = AnswerReader(
     DescribeFrame.purpose,
     read_description,
-    lambda raw, text: FrameDescription(description=text),
+    lambda text, reasons: FrameDescription(description=text),
     "the description, in words",
     lambda answer: {"description": answer.description[:KEPT_DESCRIPTION]},
 )

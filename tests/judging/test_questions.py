@@ -1,5 +1,6 @@
 """Questions about a drive: what is shown of it, and how the options and answers are read."""
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -43,6 +44,23 @@ def test_every_action_is_offered_and_read():
     for action in ACTIONS:
         answer, faults, _ = reader.read(f'{{"action": "{action}"}}', model="m")
         assert (reader.fields(answer)["action"], faults) == (action, [])
+
+
+@pytest.mark.parametrize(
+    "raw",
+    [
+        '{"action": "keep_speed", "reasoning": "Therefore I will stop."}',
+        '{"action": "keep_speed", "explanation": "Therefore I will stop."}',
+        '{"answer": {"action": "keep_speed", "reason": "Therefore I will stop."}}',
+        "Reason: Therefore I will stop.\nAction: keep_speed",
+    ],
+)
+def test_reasons_for_another_action_are_noted_however_they_are_given(raw):
+    reader = acting_reader()
+    answer, _, _ = reader.read(raw, model="m")
+    found = reader.fields(answer)
+    assert found["reasoning"].startswith("Therefore I will stop")
+    assert "settles on stop" in found["contradiction"]
 
 
 def test_a_choice_is_read_as_the_id_of_its_option():

@@ -8,7 +8,7 @@ from oodscen._prose import is_refusal
 from oodscen.judging._parsing.aspects import Detected, names_nothing, read_aspect, read_named_aspect
 from oodscen.judging._parsing.choices import contradiction, read_action, read_choice
 from oodscen.judging._parsing.descriptions import read_description
-from oodscen.judging._parsing.reading import ParsedAnswer, reasoning_in
+from oodscen.judging._parsing.reading import ParsedAnswer
 
 __all__ = [
     "Detected",
@@ -21,5 +21,4 @@ __all__ = [
     "read_choice",
     "read_description",
     "read_named_aspect",
-    "reasoning_in",
 ]

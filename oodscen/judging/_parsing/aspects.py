@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from oodscen._prose import fold, is_refusal
+from oodscen._prose import fold, is_refusal, tidy
 from oodscen.judging._parsing.confidence import CONFIDENT, confidence_in, one_probability
 from oodscen.judging._parsing.members import CONFIDENCE, is_placeholder, members, words_in
 from oodscen.judging._parsing.reading import ParsedAnswer, Question, read
@@ -27,29 +27,44 @@ _NAMED = re.compile(rf"{_ASPECT.pattern}|answer")
 """Matches those that name the aspect in answer to the paper's question."""
 _DETECTION = re.compile(f"{_IS_OOD.pattern}|{_ASPECT.pattern}|{CONFIDENCE.pattern}")
 
-_ODD = r"(?:unusual|out of the ordinary|abnormal|anomalous|strange|out of distribution|ood)"
+_ODD = (
+    r"(?:unusual|out of the ordinary|abnormal|anomalous|strange|odd|weird|out of place|out of distribution|ood"
+    r"|remarkable|notable|noteworthy|of (?:note|interest)|special|suspicious|concerning|wrong|amiss)"
+)
 _ORDINARY = r"(?:normal|ordinary|usual|typical|routine)"
 _IS = r"(?:is|are|looks?|seems?|appears?)"
+_SEE = r"(?:see|notice|find|detect|spot|observe|identify)"
 _SCENE = r"(?:image|picture|photo|frame|view|video|sequence|scene|scenario|situation|drive|road|street|traffic)s?"
-_THING = r"(?:aspect|thing|object|element|feature|event|detail|part|anomaly|anomalie|hazard|obstacle|problem)s?"
+_THING = (
+    r"(?:(?:aspect|thing|object|element|feature|event|detail|part|hazard|obstacle|problem|issue|concern|condition"
+    r"|deviation|behaviou?r)s?|(?:anomal|abnormalit|irregularit|activit)(?:y|ies))"
+)
 _WHERE = rf"(?: (?:here|(?:in|on|about|with|of) (?:this|the|these) (?:\w+ )?{_SCENE}))?"
+_FOUND = (
+    rf"(?:(?: (?:{_IS}|was|were|(?:has|have) been))? (?:found|detected|visible|present){_WHERE})?"
+)
+_ALL = rf"(?:everything|it|this|all|(?:the|this|these) (?:\w+ )?{_SCENE}){_WHERE}"
+_THERE = rf"(?:(?:there (?:is|are|(?:seems?|appears?) to be)|i (?:can |could )?{_SEE}|{_ALL} (?:shows?|contains?|has|have)) )?"
+_IS_ODD = rf"(?: (?:(?:that|which) )?{_IS}(?: to be)?)?(?: \w+ly)? {_ODD}"
 _NOTHING_ODD = (
-    rf"(?:nothing{_WHERE}(?: (?:that )?{_IS})?(?: \w+ly)? {_ODD}|no {_ODD}"
-    rf"|no(?:ne of the)? (?:(?:single|one|clear|obvious|apparent|particular) )?(?:{_ODD} )?{_THING}{_WHERE}(?: (?:that )?{_IS} {_ODD})?)"
+    rf"{_THERE}(?:nothing{_WHERE}(?:{_IS_ODD}| stands out)"
+    rf"|no(?:ne of the)? (?:(?:single|one|clear|obvious|apparent|visible|particular|other|\w+ly) )*(?:{_ODD} )?{_THING}(?: (?:or|nor|and) (?:{_ODD} )?{_THING})*"
+    rf"{_WHERE}(?:{_IS_ODD})?){_WHERE}{_FOUND}"
 )
+_USUAL_SCENE = rf"(?:(?:an?|just|only|quite|\w+ly) )*(?:{_ORDINARY}|fine|clear|not {_ODD})(?: (?:\w+ )?{_SCENE})?{_WHERE}"
+_ALL_USUAL = rf"{_ALL}(?: {_IS}(?: like| to be)?)? {_USUAL_SCENE}"
 _NOTHING = re.compile(
-    rf"\W*(?:(?:that|and|with|but) )?(?:(?:there (?:is|are)|i (?:can )?(?:see|notice|find|detect)) )?"
-    rf"(?:none|nothing|nil|null|no|false|n/?a|not applicable|unknown|(?:not|nothing) {_ODD}|nothing stands out|{_NOTHING_ODD}"
-    r"|(?:(?:i (?:do not|don't) (?:see|notice|find|detect)|there (?:is not|isn't)) )any(?:thing)?"
-    rf" {_ODD}(?: {_THING})?)"
-    rf"{_WHERE}(?:(?: {_IS})? (?:found|detected|visible|present){_WHERE})?\W*"
+    rf"\W*(?:(?:that|and|with|but) )?(?:{_THERE}(?:(?:none|nothing|no)(?: {_ODD})?|{_USUAL_SCENE}){_WHERE}{_FOUND}"
+    rf"|(?:nil|null|false|n/?a|not applicable|unknown){_WHERE}|{_NOTHING_ODD}|{_ALL_USUAL})\W*"
 )
-"""Matches folded words that say, as a whole, that there is no aspect; "no driver, which is unusual" names one."""
-_USUAL_SCENE = re.compile(
-    rf"\W*(?:(?:everything|it|this|all|(?:the|this) (?:\w+ )?{_SCENE}){_WHERE} {_IS} )?(?:(?:an?|\w+ly|quite) )*"
-    rf"(?:{_ORDINARY}|not {_ODD})(?: (?:\w+ )?{_SCENE})?{_WHERE}\W*"
+"""Matches plain words that say, as a whole, that there is no aspect; "no driver, which is unusual" names one."""
+_ABSENT = re.compile(r"no (?:\w+ )?\w+")
+"""Matches plain words that name an absent thing, and may add to words that say that there is no aspect."""
+_DENIAL = re.compile(
+    rf"\W*(?:{_THERE}(?:nothing\b(?! (?:holds|secures|supports|marks|protects|separates|covers)\b)|no (?:\w+ly )?{_ODD}\b)"
+    r"|(?:there|it|this|i|i (?:can|could)) (?:(?:is|are|am|was|do|did|does) )?not\b)"
 )
-"""Matches folded words that call, as a whole, the scene ordinary."""
+"""Matches the beginning of plain words that deny something, and name no absent thing such as a driver."""
 
 _LABELLED = re.compile(r"\baspect ?[:=] ?([^\n]*\w[^\n]*)", re.IGNORECASE)
 """Matches the label "aspect" in prose, and what follows it in its line."""
@@ -73,29 +88,27 @@ _QUESTION = re.compile(
 )
 """Matches the question in one line of prose that repeats it before the answer."""
 _OPENING = re.compile(
-    rf"[\s(\u2022-]*(yes|no|true|false|(?:there is |i see )?nothing (?:is )?{_ODD}|everything (?:is|looks) (?:normal|ordinary))\b"
-    r"(?: here)?(?=\s*(?:[,.:;!\u2014\u2013-]|$))"
+    rf"[\s(\u2022-]*(yes|no|true|false|{_NOTHING_ODD}|{_ALL_USUAL})(?=\s*(?:[,.:;!\u2014\u2013-]|$))"
 )
-"""Matches an answer with which folded prose opens."""
+"""Matches an answer with which plain prose opens."""
 _USUAL = re.compile(
-    r"(?<!out of the )(?<!not )(?<!n't )(?<!not an )(?<!not a )"
+    r"(?<!out of the )(?<!not )(?<!not an )(?<!not a )"
     rf"\b(?:{_ORDINARY}|nothing|no|none|fine|clear)\b"
 )
 """Matches a word that goes with an answer of no, in folded prose."""
-_CLAUSES = re.compile(r"[,.;:!?()\n\u2013\u2014]+|(?<=\s)-|\band\b")
+_CLAUSES = re.compile(r"[,.;:!?()\n\u2013\u2014]+|(?<=\s)-|\band\b|\bwith(?= no\b)")
 """Matches what stands between clauses."""
 _RETRACTS = re.compile(
-    rf"\W*(?:(?:it is|it's|this is|that is|all|just|only|an?|the|some|\w+ly) )*{_ORDINARY}\b.*"
+    rf"\W*(?:(?:it is|this is|that is|all|just|only|an?|the|some|\w+ly) )*{_ORDINARY}\b.*"
     rf"|.*\b{_IS} (?:(?!(?:not|no|out|far|anything|hardly|than|less|never)\b)\w+ ){{0,2}}{_ORDINARY}\b.*"
-    rf"|\W*(?:(?:everything|it|all|(?:the|this) (?:\w+ )?{_SCENE})(?: {_IS})? )?(?:fine|clear)\W*"
     r"|.*\bas usual\W*",
     re.DOTALL,
 )
 """Matches a clause that does not go with an opening "yes"; "on a clear road" and "no driver" do."""
 _OPEN = re.compile(
     r"\b(?:but|however|except|apart from|although|though|wait|actually|on second thought|unsure|not sure|unclear"
-    r"|hard to|can(?:not|'t| not) (?:tell|say|judge)|yes and no|or not|unless|otherwise|correction|scratch|maybe"
-    r"|(?:don't|not) know|no idea|either|would be|if)\b"
+    r"|hard to|can not (?:tell|say|judge)|yes and no|or not|unless|otherwise|correction|scratch|maybe"
+    r"|not know|no idea|either|would be|if)\b"
 )
 """Matches words that retract an answer or leave it open."""
 
@@ -133,14 +146,43 @@ def read_named_aspect(text: str) -> ParsedAnswer[str]:
 
 def names_nothing(aspect: str) -> bool:
     """Return whether an aspect is empty or says that there is none."""
-    plain = fold(aspect)
-    if not plain or _NOTHING.fullmatch(plain) or _USUAL_SCENE.fullmatch(plain):
+    return _says_nothing(aspect) is True
+
+
+def _says_nothing(aspect: str) -> bool | None:
+    """Return whether the words of an aspect say that there is none; `None` if that is open."""
+    plain = _plain(aspect)
+    if _NOTHING.fullmatch(plain):
         return True
-    clauses = _CLAUSES.split(plain.rstrip(" .!"))
-    first, last = clauses[0], clauses[-1]
-    if _NOTHING.fullmatch(last):
-        return plain.startswith("no")
-    return bool(_NOTHING.fullmatch(first) and _USUAL_SCENE.fullmatch(last))
+    clauses = [clause.strip() for clause in _CLAUSES.split(plain) if clause.strip()]
+    denials = [_NOTHING.fullmatch(clause) is not None for clause in clauses]
+    if not clauses or (denials[-1] and all(map(_denies, clauses))):
+        return True
+    is_open = (
+        clauses[0] == "true"
+        or denials[0]
+        or (denials[-1] and plain.startswith("no "))
+        or _DENIAL.match(plain)
+    )
+    return None if is_open else False
+
+
+def _denies(clause: str) -> bool:
+    return bool(_NOTHING.fullmatch(clause) or _ABSENT.fullmatch(clause))
+
+
+def _plain(words: str) -> str:
+    """Return words folded, without contractions, and with "no" and "nothing" for "not any" and "not anything"."""
+    plain = re.sub(r"\bcan(?:not|'t)\b", "can not", fold(tidy(words)))
+    plain = re.sub(r"n't\b", " not", plain)
+    plain = re.sub(r"\b(it|that|there|everything)'s\b", r"\1 is", plain)
+    plain = re.sub(r"\bi'm\b", "i am", plain)
+    return _NOT_ANY.sub(r"\1no\2", plain)
+
+
+_NOT_ANY = re.compile(
+    rf"\b(?:(?:can|could|do|does|did) )?not ((?:{_SEE} |(?:seem|appear) to be )?)any(thing)?\b"
+)
 
 
 def _disowns(reasons: str, _: object) -> bool:
@@ -160,7 +202,7 @@ def _pick_detection(value: Mapping[str, Any]) -> Detected | None:
     confidence = one_probability(members(value, CONFIDENCE))
     if is_ood:
         aspect = _words_of_aspect(value)
-        beside = aspect if names_nothing(aspect) else None
+        beside = None if aspect and _name_or_nothing(aspect) else aspect
         return Detected(True, aspect, confidence, beside)
     thing = next((words for words in _aspects(value) if not _says_usual(words)), None)
     return Detected(False, "", confidence, thing)
@@ -185,9 +227,9 @@ def _aspects(value: Mapping[str, Any]) -> list[str]:
 
 def _says_usual(aspect: str) -> bool:
     """Return whether words of an aspect name nothing, or call it ordinary."""
-    if names_nothing(aspect) or is_placeholder(aspect) or not re.search(r"\w", aspect):
+    if _says_nothing(aspect) is not False or is_placeholder(aspect):
         return True
-    return _USUAL.search(fold(aspect)) is not None
+    return _USUAL.search(_plain(aspect)) is not None
 
 
 def _pick_name(value: Mapping[str, Any]) -> str | None:
@@ -203,7 +245,12 @@ def _pick_name(value: Mapping[str, Any]) -> str | None:
 def _name_or_nothing(words: str) -> str:
     """Return the name of an aspect; empty if the words say that there is none."""
     _check_name(words)
-    return "" if names_nothing(words) else words
+    says_nothing = _says_nothing(words)
+    if says_nothing is None:
+        raise UnusableError(
+            f"{words[:80]!r} neither names an aspect nor says plainly that there is none"
+        )
+    return "" if says_nothing else words
 
 
 def _check_name(words: str) -> None:
@@ -222,23 +269,28 @@ def _truth(value: object) -> bool | None:
 
 def _detected_in_prose(prose: str) -> Detected | None:
     """Parse a "yes" or "no" that is marked as the answer, or opens the text with words that agree with it."""
-    plain = fold(prose)
+    plain = _plain(prose)
     marked = {_TRUTHS[match[1]] for match in _MARKED.finditer(plain)}
     if len(marked) > 1:
         raise UnusableError(TWO_ANSWERS)
     if _OPEN.search(plain):
         return None
     answer = _QUESTION.sub("", prose)
-    plain = fold(answer)
+    plain = _plain(answer)
     opening = _OPENING.match(plain)
     if marked and (opening is None or _MARKED.search(plain)):
         is_ood = marked.pop()
         aspect = _aspect_after_mark(prose) if is_ood else ""
         return _detected(is_ood, aspect, prose)
-    if opening is None or is_refusal(prose):
+    if opening is None or (opening[1] in _TRUTHS and is_refusal(prose)):
         return None
-    is_ood = _TRUTHS.get(opening[1], False)
-    if not _goes_with(plain[opening.end() :], is_ood=is_ood):
+    if opening[1] in _TRUTHS:
+        is_ood = _TRUTHS[opening[1]]
+        is_plain = _goes_with(plain[opening.end() :], is_ood=is_ood)
+    else:
+        is_ood = False
+        is_plain = _says_nothing(CONFIDENT.sub("", answer)) is True
+    if not is_plain:
         raise UnusableError("what follows yes or no does not go with it")
     aspect = _aspect_after_yes(answer) if is_ood else ""
     return _detected(is_ood, aspect, prose)
@@ -262,7 +314,7 @@ def _aspect_after_mark(prose: str) -> str:
     if aspect is None:
         _check_short(_MARKED.sub("", fold(CONFIDENT.sub("", prose))))
         return ""
-    return "" if names_nothing(aspect) else aspect
+    return _name_or_nothing(aspect) if aspect else ""
 
 
 def _aspect_after_yes(prose: str) -> str:
@@ -273,7 +325,7 @@ def _aspect_after_yes(prose: str) -> str:
         _check_short(rest)
         aspect = rest.strip(" \n.,:;!()\u2014\u2013-") if re.search(r"[^\W\d_]", rest) else ""
         aspect += ")" * (aspect.count("(") > aspect.count(")"))
-    return "" if names_nothing(aspect) else aspect
+    return _name_or_nothing(aspect) if aspect else ""
 
 
 def _check_short(prose: str) -> None:
@@ -286,16 +338,13 @@ def _named_in_prose(prose: str) -> str | None:
     labelled = _labelled(prose)
     if labelled is not None:
         return _name_or_nothing(labelled)
-    plain = fold(prose)
+    plain = _plain(prose)
     is_short = 0 < len(plain.split()) <= 20 and len(re.findall(r"[.!?](?:\s|$)", plain)) <= 1
-    if not is_short or is_refusal(prose) or _OPEN.search(plain) or plain.endswith(("?", ":")):
+    if not is_short or _OPEN.search(plain) or plain.endswith(("?", ":")):
         return None
-    if not re.search(r"\w", plain):
+    if not re.search(r"\w", plain) or (is_refusal(prose) and not names_nothing(prose)):
         return None
-    words = _without_confidence(_LEAD.sub("", prose))
-    if _OPENING.match(fold(words)) and not names_nothing(words):
-        raise UnusableError("what follows no does not go with it")
-    return _name_or_nothing(words)
+    return _name_or_nothing(_without_confidence(_LEAD.sub("", prose)))
 
 
 def _labelled(prose: str) -> str | None:

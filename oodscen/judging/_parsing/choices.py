@@ -81,7 +81,7 @@ class _Reader:
         reading = read(text, Question(self._picked, self._stated, self.keys, self._denies))
         if reading.value is None:
             return ParsedAnswer(None, reading.outcome, reading.note)
-        return ParsedAnswer(self.names[reading.value], "answered", reading.note)
+        return ParsedAnswer(self.names[reading.value], "answered", reading.note, reading.reasons)
 
     def _picked(self, value: Mapping[str, Any]) -> int | None:
         choices = members(value, self.keys)

@@ -14,7 +14,7 @@ from typing import Any, Generic, Literal, TypeVar
 from oodscen._arguments import instance_of
 from oodscen._prose import after_reasoning, fold, is_refusal, tidy
 from oodscen._text import clean_surrogates
-from oodscen.judging._parsing.members import CONFIDENCE, REASON, spelt, unwrap, words_in
+from oodscen.judging._parsing.members import CONFIDENCE, REASON, spelt, unwrap
 from oodscen.judging._parsing.unusable import LONGEST, TWO_ANSWERS, UnusableError
 from oodscen.llm._json_objects import scan
 from oodscen.llm._reading import EMPTY, UNSPOKEN
@@ -31,6 +31,8 @@ class ParsedAnswer(Generic[Value]):
     outcome: Literal["answered", "refused", "unparsed"]
     note: str
     """The source of the value, or the reason for its absence: `JSON`, `prose`, `two answers`."""
+    reasons: str = ""
+    """The reasons in the members or lines beside the value; all that is said if the value is from a sentence."""
 
 
 @dataclass(frozen=True)
@@ -48,8 +50,8 @@ class Question(Generic[Value]):
     has_labels: bool = True
     """Labelled lines are parsed like an object."""
 
-    def answer_in(self, value: Mapping[str, Any]) -> Value | None:
-        """Return the answer in an object; `None` if it lacks the requested members.
+    def answer_in(self, value: Mapping[str, Any]) -> tuple[Value | None, str]:
+        """Return the answer in an object, `None` if it lacks the requested members, and the reasons beside it.
 
         Raises:
             UnusableError: If it has a member that was not asked for, or reasons against its own answer.
@@ -58,7 +60,7 @@ class Question(Generic[Value]):
         answer = self.pick(requested)
         if answer is not None and self.denies and self.denies(tidy(reasons), answer):
             raise UnusableError("its reasons are against the answer")
-        return answer
+        return answer, reasons.strip()
 
 
 def read(text: str, question: Question[Value]) -> ParsedAnswer[Value]:
@@ -78,16 +80,15 @@ def read(text: str, question: Question[Value]) -> ParsedAnswer[Value]:
         if not spoken.strip():
             note = (UNSPOKEN if text.strip() else EMPTY).message
         answer = _only_object(spoken)
-        if answer is not None:
-            value = question.answer_in(answer)
-            if value is not None:
-                return ParsedAnswer(value, "answered", "JSON")
+        source = "prose" if answer is None else "JSON"
+        if answer is None and question.has_labels:
+            answer = _labelled(tidy(spoken), question.members)
+        if answer is None:
+            value, reasons = question.prose(tidy(spoken)), spoken
         else:
-            prose = tidy(spoken)
-            lines = _labelled(prose, question.members) if question.has_labels else None
-            value = question.answer_in(lines) if lines else question.prose(prose)
-            if value is not None:
-                return ParsedAnswer(value, "answered", "prose")
+            value, reasons = question.answer_in(answer)
+        if value is not None:
+            return ParsedAnswer(value, "answered", source, reasons)
     except UnusableError as error:
         note = str(error)
     if is_refusal(text):
@@ -152,12 +153,16 @@ _COURTESY = re.compile(
 
 def _labelled(prose: str, requested: re.Pattern[str]) -> dict[str, Any] | None:
     """Return tidied prose as an object if its first line has the label of a member; other lines go on with theirs."""
-    known_names = (requested, REASON, CONFIDENCE)
+
+    def is_known(label: str) -> bool:
+        return any(names.fullmatch(spelt(label)) for names in (requested, REASON, CONFIDENCE))
+
     members: dict[str, str] = {}
     name = ""
-    for line in _NEXT.sub("\n", prose).split("\n"):
+    parted = _NEXT.sub(lambda mark: "\n" if is_known(mark[1]) else mark[0], prose)
+    for line in parted.split("\n"):
         label = _LABEL.fullmatch(line)
-        if label and any(pattern.fullmatch(spelt(label[1])) for pattern in known_names):
+        if label and is_known(label[1]):
             name = spelt(label[1])
             if name in members:
                 raise UnusableError(TWO_ANSWERS)
@@ -171,17 +176,6 @@ def _labelled(prose: str, requested: re.Pattern[str]) -> dict[str, Any] | None:
     return {name: words.strip(" .") for name, words in members.items()}
 
 
-_NEXT = re.compile(r"[.,;] (?=\w+ ?[:=] ?\w)")
+_NEXT = re.compile(r"[.,;] (?=(\w+) ?[:=] ?\w)")
+"""Matches what stands before the label of another member in the same line."""
 _LABEL = re.compile(r"(?:[-\u2022] |#{1,6} )?([\w ]{2,40}?) ?[:=] ?(.*)")
-
-
-def reasoning_in(text: str) -> str:
-    """Return the reasons given with an answer: that member of its last JSON object, else the whole text."""
-    if len(text) > LONGEST:
-        return ""
-    spoken = spoken_text(text)
-    objects, _ = scan(spoken)
-    if not objects:
-        return spoken
-    members = objects[-1].value
-    return "; ".join(words_in(members[name]) for name in members if spelt(name) == "reasoning")

@@ -93,6 +93,8 @@ def test_a_named_aspect(said, aspect):
         ("42", "unparsed"),
         ('{"aspect": "yes"}', "unparsed"),
         ("No, a deer.", "unparsed"),
+        ("True, a deer.", "unparsed"),
+        ("I can't see the image.", "refused"),
         ("word " * 200_000, "unparsed"),
     ],
 )
@@ -108,8 +110,39 @@ NOTHING = (
     "There is nothing unusual", "There is no OOD aspect", "Everything looks normal", "Nothing stands out", "I see nothing",
     "There are no unusual objects", "Nothing is out of the ordinary", "No anomalies", "Nothing seems strange", "No aspect",
     "None of the objects are unusual", "There isn't anything unusual", "It is not unusual", "No unusual aspect is visible",
-    "No deer, no dog: nothing unusual",
+    "No deer, no dog: nothing unusual", "There's nothing unusual", "There\u2019s nothing unusual", "I can't see anything unusual",
+    "I couldn't detect any anomalies", "There doesn't appear to be anything unusual", "Nothing notable", "No issues",
+    "No unusual objects or events", "It looks like a normal road", "Everything looks normal and clear", "All clear",
+    "The image shows a normal road", "It's a typical street", "No obvious hazards",
+    "No anomalies were detected", "The road is clear with no visible hazards", "None of note", "Nothing, just a normal road",
 )  # fmt: skip
+
+
+NAMED = (
+    "Northbound truck parked across both lanes", "Noise barrier fallen on the road", "November snow on the road", "A truck in both lanes",
+    "Nobody at the wheel",
+)  # fmt: skip
+OPEN = (
+    "No lights on the oncoming truck, no hazard detected", "Nothing really catches my eye", "There's nothing for the driver to mind",
+    "I can't see much", "Nothing unusual, a deer", "Nothing blocks the road", "No unusual lights on the car",
+    "No problem: a deer is on the road", "Everything looks normal, with a deer",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("named", NAMED)
+@pytest.mark.parametrize("tail", ["", ", no hazard visible", ", unknown", ", no problem"])
+def test_a_denial_behind_a_name_denies_nothing_of_it(named: str, tail: str) -> None:
+    for said in (f"{named}{tail}", json.dumps({"aspect": f"{named}{tail}"})):
+        assert read_named_aspect(said).value == f"{named}{tail}"
+    assert not names_nothing(f"{named}{tail}")
+
+
+@pytest.mark.parametrize("said", OPEN)
+def test_what_neither_names_nor_denies_plainly_is_asked_again(said: str) -> None:
+    for one in (said, json.dumps({"aspect": said})):
+        assert read_named_aspect(one).outcome == "unparsed"
+    for one in (said, json.dumps({"is_ood": True, "aspect": said})):
+        assert read_aspect(one).outcome == "unparsed"
 
 
 @given(
@@ -131,6 +164,9 @@ def test_what_is_absent_is_an_aspect(absent: str, tail: str, end: str) -> None:
 def test_a_denial_is_no_aspect(denial: str, where: str, end: str) -> None:
     assert read_named_aspect(f"{denial}{where}{end}").value == ""
     assert read_named_aspect(json.dumps({"aspect": f"{denial}{where}{end}"})).value == ""
+    said = json.dumps({"is_ood": True, "aspect": f"{denial}{where}{end}"})
+    assert "which says true beside the aspect" in read_aspect(said).note
+    assert read_aspect(f"{denial}{where}{end}").value in (Detected(False), None)
 
 
 @given(

@@ -18,7 +18,6 @@ from oodscen.judging._parsing import (
     read_choice,
     read_description,
     read_named_aspect,
-    reasoning_in,
 )
 from oodscen.judging._parsing.members import (
     CONFIDENCE,
@@ -71,7 +70,6 @@ def test_no_answer_raises_and_what_is_read_was_offered(text):
     read_named_aspect(text)
     read_description(text)
     contradiction(text, "stop", ACTIONS)
-    reasoning_in(text)
     is_refusal(text)
 
 
@@ -105,7 +103,8 @@ def test_an_answer_that_is_no_text_is_refused(said):
     ],
 )
 def test_curly_quotation_marks_stand_for_straight_ones_only_where_there_are_none(said):
-    assert read_action(said, ACTIONS) == ParsedAnswer("stop", "answered", "JSON")
+    found = read_action(said, ACTIONS)
+    assert (found.value, found.note) == ("stop", "JSON")
 
 
 def test_a_list_of_reasons_holds_texts_only():
@@ -265,13 +264,28 @@ def test_a_refusal_is_told_from_a_denial(said, is_one):
     assert (read_action(said, ACTIONS).outcome == "refused") is is_one
 
 
-def test_reasons_are_those_of_the_object_else_all_that_is_said():
-    assert reasoning_in('<think>x</think>{"reasoning": "wet", "action": "stop"}') == "wet"
-    assert reasoning_in('{"action": "stop"}') == ""
-    assert reasoning_in('{"reasoning": "dry"} {"reasoning": "wet", "action": "stop"}') == "wet"
-    assert reasoning_in(" " * LONGEST + "x") == ""
-    assert reasoning_in(" " * (LONGEST - 1) + "x") == "x"
-    assert reasoning_in("<think>x</think>I would stop.") == "I would stop."
+@pytest.mark.parametrize(
+    "name", ["reasoning", "reason", "Explanation", "step_by_step_reasoning", "why"]
+)
+@pytest.mark.parametrize(
+    "form",
+    [
+        '{{"action": "stop", "{}": "It is wet."}}',
+        '<think>x</think>{{"{}": ["It is wet."], "action": "stop"}}',
+        '{{"answer": {{"action": "stop", "{}": "It is wet."}}}}',
+        '{{"answer": {{"action": "stop"}}, "{}": "It is wet."}}',
+        "{}: It is wet\nAction: stop",
+        "Action: stop. {}: It is wet",
+    ],
+)  # fmt: skip
+def test_reasons_are_given_however_they_are_named(form, name):
+    assert read_action(form.format(name), ACTIONS).reasons.strip(".") == "It is wet"
+
+
+def test_reasons_are_all_that_is_said_in_a_sentence_and_none_in_a_bare_object():
+    assert read_action("<think>x</think>I would stop.").reasons == "I would stop."
+    assert read_action('{"action": "stop"}').reasons == ""
+    assert read_action("Hm.").reasons == ""
 
 
 @pytest.mark.parametrize(
@@ -374,6 +388,14 @@ def test_members_are_found_however_they_are_spelt_and_once():
 )
 def test_labelled_lines_are_read_like_an_object(said, value):
     assert read_action(said, ACTIONS).value == value
+
+
+@pytest.mark.parametrize(
+    "aspect", ["a clock that shows, 10:30 in the tunnel", "a sign. ROAD: closed", "a bus; line = 5"]
+)
+def test_marks_inside_a_labelled_value_are_kept(aspect):
+    assert read_aspect(f"is_ood: yes, aspect: {aspect}. Confidence: 0.8").value.aspect == aspect
+    assert read_named_aspect(f"aspect: {aspect}").value == aspect
 
 
 @pytest.mark.parametrize(
