@@ -27,6 +27,9 @@ Product = Callable[[slice, slice], NDArray[np.float32]]
 _ROUNDING = 1e-6
 """Amount by which rounding may leave the cosine of two equal rows below 1."""
 
+_NUMBERS = "iuf"
+"""Kinds of the elements of embeddings; an array of others is one of texts."""
+
 
 class Duplicate(Data):
     """An item that resembles an earlier one."""
@@ -74,8 +77,11 @@ def near_duplicates(
         DataError: If there is nothing to compare, a text is blank, or a value is not finite.
         UsageError: If the threshold is not in (0, 1].
     """
-    if not 0.0 < finite_number("threshold", threshold) <= 1.0:
+    threshold = finite_number("threshold", threshold)
+    if not 0.0 < threshold <= 1.0:
         raise UsageError(f"the threshold {threshold} is not in (0, 1]")
+    if isinstance(items, np.ndarray) and items.dtype.kind not in _NUMBERS:
+        items = items.tolist()
     if isinstance(items, np.ndarray):
         return _report(len(items), _cosines(items), threshold, "cosine")
     texts = check_texts(items, "baseline")
@@ -99,7 +105,7 @@ def _report(
             is_better = value > best[rows]
             nearest[rows] = np.where(is_better, column + start, nearest[rows])
             best[rows] = np.where(is_better, value, best[rows])
-    repeated = np.flatnonzero(best >= threshold - _ROUNDING)
+    repeated = np.flatnonzero((best >= threshold - _ROUNDING) & (best > 0.0))
     return NearDuplicates(
         found=tuple(
             Duplicate(index=index, of=int(nearest[index]), similarity=float(best[index]))

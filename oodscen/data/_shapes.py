@@ -211,7 +211,7 @@ class LampPart(Part):
     ]
     """Red, green and blue, 0 to 1."""
     facing: Point = (0.0, 0.0, 0.0)
-    """Direction of the beam; zero shines in all directions."""
+    """Direction of the beam, of any length; zero shines in all directions."""
     power: Annotated[float, Field(gt=0, le=6)] = 1.0
 
 

@@ -3,6 +3,7 @@
 import re
 import threading
 from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 from oodscen.errors import Issue
 from oodscen.tree._edits import Node, TreeEdit, edited
@@ -21,6 +22,14 @@ _FIELDS: dict[str, frozenset[str]] = {
 }
 """The fields about the node that each kind of edit uses."""
 _TOO_DEEP = f"a node would lie more than {MAX_DEPTH} levels below the root: hang it higher up"
+
+
+class _Fault(NamedTuple):
+    """The reason why an edit cannot be applied."""
+
+    text: str
+    missing: str | None = None
+    """Id of the node that does not exist, if that is the reason."""
 
 
 class EditLog:
@@ -53,16 +62,17 @@ class EditLog:
         """
         with self._lock:
             index = self if version == len(self.log) else self._fork(version)
-            issues, refused = [], set[str | None]()
+            issues, refused = [], set[str]()
             for position, edit in enumerate(edits):
-                if not (fault := index._fault(edit, version + position)):
+                fault = index._fault(edit, version + position)
+                if fault is None:
                     index._play(edit)
                     continue
                 # An edit that only lacks a refused node has no fault of its own.
-                needed = edit.parent if edit.op == "add" else edit.node
-                if needed not in refused or needed in index.nodes:
-                    issues.append(Issue(f"{where}[{position}]", fault))
-                refused.add(edit.node)
+                if fault.missing not in refused:
+                    issues.append(Issue(f"{where}[{position}]", fault.text))
+                if edit.op == "add":
+                    refused.add(edit.node)
             if issues:
                 index._cut(version)
             return index, issues
@@ -161,49 +171,50 @@ class EditLog:
             self._is_ordered = False
         self.nodes[node_id] = node
 
-    def _fault(self, edit: TreeEdit, index: int) -> str:
-        """Return why an edit cannot be applied, or an empty string."""
+    def _fault(self, edit: TreeEdit, index: int) -> _Fault | None:
+        """Return the first reason why an edit cannot be applied."""
         if field := _unused_field(edit):
-            return f"a {edit.op!r} edit has no `{field}`"
+            return _Fault(f"a {edit.op!r} edit has no `{field}`")
         if edit.undoes is not None and not 0 <= edit.undoes < index:
-            return f"it undoes edit {edit.undoes}, which does not come before it"
+            return _Fault(f"it undoes edit {edit.undoes}, which does not come before it")
         if edit.op in ("add", "broaden", "narrow") and (fault := label_fault(edit.label or "")):
-            return fault
+            return _Fault(fault)
         if edit.op == "add":
             return self._fault_of_add(edit)
         if edit.node not in self.nodes:
-            return f"the node {edit.node[:80]!r} does not exist"
+            return _Fault(f"the node {edit.node[:80]!r} does not exist", edit.node)
         if edit.op == "move":
             return self._fault_of_move(edit)
         if edit.op == "remove" and self._children.get(edit.node):
-            return f"the node {edit.node!r} still has children"
-        return ""
+            return _Fault(f"the node {edit.node!r} still has children")
+        return None
 
-    def _fault_of_add(self, edit: TreeEdit) -> str:
-        """Return why a node cannot be added, or an empty string."""
+    def _fault_of_add(self, edit: TreeEdit) -> _Fault | None:
+        """Return why a node cannot be added."""
         if not _ID.fullmatch(edit.node):
-            return f"{edit.node[:80]!r} is not a valid id (letters, digits, '-', '_', '.')"
+            return _Fault(f"{edit.node[:80]!r} is not a valid id (letters, digits, '-', '_', '.')")
         if edit.node in self.nodes:
-            return f"the id {edit.node!r} is taken"
+            return _Fault(f"the id {edit.node!r} is taken")
         if edit.parent is None and self.nodes:
-            return f"{edit.node!r} would be a second root"
+            return _Fault(f"{edit.node!r} would be a second root")
         if edit.parent is not None and edit.parent not in self.nodes:
-            return f"the parent {edit.parent[:80]!r} does not exist (before its child)"
-        return _TOO_DEEP if len(self._ancestry(edit.parent)) > MAX_DEPTH else ""
+            text = f"the parent {edit.parent[:80]!r} does not exist (before its child)"
+            return _Fault(text, edit.parent)
+        return _Fault(_TOO_DEEP) if len(self._ancestry(edit.parent)) > MAX_DEPTH else None
 
-    def _fault_of_move(self, edit: TreeEdit) -> str:
-        """Return why a node cannot be moved, or an empty string."""
+    def _fault_of_move(self, edit: TreeEdit) -> _Fault | None:
+        """Return why a node cannot be moved."""
         if edit.parent is None:
-            return f"{edit.node!r} would be a second root"
+            return _Fault(f"{edit.node!r} would be a second root")
         if edit.parent not in self.nodes:
-            return f"the parent {edit.parent[:80]!r} does not exist"
+            return _Fault(f"the parent {edit.parent[:80]!r} does not exist", edit.parent)
         above = self._ancestry(edit.parent)
         if edit.node in above:
-            return f"{edit.parent!r} lies at or below {edit.node!r}: that would be a cycle"
+            return _Fault(f"{edit.parent!r} lies at or below {edit.node!r}: that would be a cycle")
         level = [edit.node]
         for _ in range(len(above), MAX_DEPTH + 1):
             level = [child for name in level for child in self._children.get(name, ())]
-        return _TOO_DEEP if level else ""
+        return _Fault(_TOO_DEEP) if level else None
 
     def _ancestry(self, node_id: str | None) -> list[str]:
         """Return the ids from a node up to the root."""

@@ -1,3 +1,5 @@
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -76,9 +78,37 @@ def test_zero_vectors_resemble_nothing():
     assert not near_duplicates(np.zeros((3, 4), np.float32), 0.1).found
 
 
+@pytest.mark.parametrize("threshold", [1e-12, 1e-7, 1e-6, 2e-6])
+def test_what_has_nothing_in_common_is_no_duplicate_at_any_threshold(threshold):
+    assert not near_duplicates(["abc def", "xyz uvw"], threshold).found
+    assert not near_duplicates(np.eye(3, dtype=np.float32), threshold).found
+
+
+@pytest.mark.parametrize("kind", [str, object])
+def test_an_array_of_texts_is_as_good_as_a_list(kind):
+    texts = ["a car waits", "ego turns", "a car waits"]
+    assert near_duplicates(np.array(texts, kind)) == near_duplicates(texts)
+
+
+@pytest.mark.parametrize("threshold", [np.float32(0.5), Fraction(1, 2)])
+def test_a_threshold_of_another_library_is_reported_as_a_number(threshold):
+    report = near_duplicates(["a car waits"] * 2, threshold)
+    assert (type(report.threshold), report.threshold) == (float, 0.5)
+
+
 @pytest.mark.parametrize(
     "items",
-    [[], ["a", " "], [1], np.zeros((0, 3)), np.zeros(3), np.array([[1.0, np.nan]])],
+    [
+        [],
+        ["a", " "],
+        [1],
+        np.zeros((0, 3)),
+        np.zeros(3),
+        np.array([[1.0, np.nan]]),
+        np.array([["a", "b"]]),
+        np.array([["a", 1.0]], object),
+        np.array([1.0, 2.0], object),
+    ],
 )
 def test_what_cannot_be_compared_is_refused(items):
     with pytest.raises(DataError):

@@ -59,6 +59,43 @@ def test_a_fault_below_a_refused_node_is_told_only_where_it_is_its_own():
     assert [issue.path for issue in caught.value.issues] == [f"edits[{i}]" for i in (0, 3, 4)]
 
 
+@pytest.mark.parametrize(
+    ("edit", "is_told"),
+    [
+        (TreeEdit(op="add", node="b", parent="a", label="B"), False),
+        (TreeEdit(op="add", node="b", parent="a", label="null"), True),
+        (TreeEdit(op="add", node="b!", parent="a", label="B"), True),
+        (TreeEdit(op="add", node="b", parent="gone", label="B"), True),
+        (TreeEdit(op="keep", node="a"), False),
+        (TreeEdit(op="keep", node="a", undoes=99), True),
+        (TreeEdit(op="keep", node="a", label="A"), True),
+        (TreeEdit(op="broaden", node="a", label="<b>x</b>"), True),
+        (TreeEdit(op="move", node="fog", parent="a"), False),
+        (TreeEdit(op="move", node="gone", parent="a"), True),
+    ],
+)
+def test_only_the_lack_of_a_refused_node_is_not_told(edit, is_told):
+    refused = TreeEdit(op="add", node="a", parent="environmental", label="null")
+    with pytest.raises(DataError) as caught:
+        FOG.apply(refused, edit)
+    told = ["edits[0]", "edits[1]"] if is_told else ["edits[0]"]
+    assert [issue.path for issue in caught.value.issues] == told
+
+
+def test_every_edit_of_a_node_that_nothing_adds_is_told():
+    with pytest.raises(DataError) as caught:
+        FOG.apply(*[TreeEdit(op="keep", node="gone")] * 2)
+    assert [issue.path for issue in caught.value.issues] == ["edits[0]", "edits[1]"]
+
+
+def test_the_faults_of_all_nodes_below_a_refused_one_are_told():
+    rows = [("root", None, "root"), ("a", "root", "null"), ("b!", "a", "B"), ("c", "a", "<b>x</b>")]
+    nodes = [{"id": name, "parent": parent, "label": label} for name, parent, label in rows]
+    with pytest.raises(DataError) as caught:
+        ScenarioTree.parse({"nodes": nodes})
+    assert [issue.path for issue in caught.value.issues] == [f"nodes[{i}]" for i in (1, 2, 3)]
+
+
 def test_fifty_levels_are_the_most():
     assert chain(51).depth == 50
     with pytest.raises(DataError, match="more than 50 levels"):

@@ -240,12 +240,12 @@ def _listening(host: str, port: int) -> tuple[socket.socket, socket.socket]:
             first.listen(_BACKLOG)
             second.listen(_BACKLOG)
             return first, second
-        except (OSError, OverflowError) as error:
+        except (OSError, OverflowError, TypeError, ValueError) as error:
             first.close()
             second.close()
             fault = error
-            if isinstance(error, socket.gaierror):
-                break
+            if isinstance(error, socket.gaierror | TypeError | ValueError):
+                break  # The host is at fault, on every port.
     ports = f"ports {port} and {port + 1}" if port else "two free ports"
     raise UsageError(f"cannot listen on {host}, {ports}: {fault}")
 

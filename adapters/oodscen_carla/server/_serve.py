@@ -5,11 +5,16 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 
 from oodscen import make_simulator
+from oodscen._arguments import checked
+from oodscen._numbers import seed_number, whole_number
 from oodscen.data import Scene
 from oodscen.errors import MissingExtra, UsageError
 from oodscen_carla.server._cameras import BodyRenderer, CameraRenderer
 from oodscen_carla.server._faults import Faults
 from oodscen_carla.server._world import World
+
+_LAST_PORT = 65_534
+"""Largest port that has a next one."""
 
 
 @dataclass(frozen=True)
@@ -24,6 +29,7 @@ class RunningServer:
     """Faults to produce, for tests."""
 
 
+@checked
 @contextmanager
 def serve(
     scenes: Sequence[Scene] = (),
@@ -48,10 +54,11 @@ def serve(
 
     Raises:
         MissingExtra: If msgpack is not installed.
-        UsageError: If the simulator cannot draw for a server, two scenes or a scene and a map have one name, or the
-            server cannot listen there.
+        UsageError: If an argument is of another kind or out of its range, the simulator cannot draw for a server, two
+            scenes or a scene and a map have one name, or the server cannot listen there.
         SceneError: If the first scene cannot be staged.
     """
+    seed, port = seed_number(seed), whole_number("port", port, 0, _LAST_PORT)
     try:
         from oodscen_carla.server._listener import Listener
     except ModuleNotFoundError as error:

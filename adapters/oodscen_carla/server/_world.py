@@ -89,7 +89,11 @@ class World:
         self.map: ServedMap
         """The map of this episode."""
         self.actors: dict[int, ServerActor] = {}
-        self.load(next(iter(self.scenes), catalogue.maps[0].id))
+        try:
+            self.load(next(iter(self.scenes), catalogue.maps[0].id))
+        except BaseException:
+            self.close()
+            raise
 
     def close(self) -> None:
         """Remove the files of received maps."""

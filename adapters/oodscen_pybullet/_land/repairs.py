@@ -24,7 +24,7 @@ _NO_MANHOLES_MPS = 20.0
 _ASIDE_M = 0.7
 """Largest distance of a manhole cover from the lane's middle, m."""
 _RIM_M = 0.25
-"""Distance of repairs from the lane's edges where they begin, m."""
+"""Distance of repairs from the lane's edges, m."""
 _LENGTH_M, _INWARDS_M, _WIDTH_M = (1.2, 5.0), (0.0, 0.9), (0.7, 1.9)
 """Least and largest length of a repair, its distance from the rim at the right edge, and its width, m."""
 _COVER = ((0.36, "asphalt_light", 0.003), (0.29, "asphalt_patch", 0.006))
@@ -51,7 +51,7 @@ def _add_at(
 ) -> None:
     """Add a repair, a manhole cover or nothing at a place of a lane.
 
-    A repair keeps the lateral position that fits where it begins, even if the lane narrows along it.
+    A repair lies within the lane's edges all along it.
     """
     road = way.corridor
     draw = float(rng.uniform())
@@ -59,8 +59,7 @@ def _add_at(
         structure.start - _BEFORE_M < s < structure.end + _AFTER_M for structure in road.structures
     ):
         return
-    right = float(np.interp(s, road.s, strip.right))
-    left = float(np.interp(s, road.s, strip.left))
+    right, left = _edges(way, strip, s, s)
     if left - right < _LEAST_WIDTH_M:
         return
     if draw < _MANHOLE_SHARE and road.speed_limit < _NO_MANHOLES_MPS:
@@ -68,9 +67,21 @@ def _add_at(
         _add_manhole(way, ribbons, s, 0.5 * (left + right) + aside)
     elif draw < _MANHOLE_SHARE + _REPAIR_SHARE:
         length = float(rng.uniform(*_LENGTH_M))
-        low = right + _RIM_M + float(rng.uniform(*_INWARDS_M))
-        high = min(left - _RIM_M, low + float(rng.uniform(*_WIDTH_M)))
+        inwards, width = float(rng.uniform(*_INWARDS_M)), float(rng.uniform(*_WIDTH_M))
+        right, left = _edges(way, strip, s, s + length)
+        if left - right < _LEAST_WIDTH_M:
+            return
+        low = right + _RIM_M + inwards
+        high = min(left - _RIM_M, low + width)
         _add_repair(way, ribbons, (s, s + length), (low, high))
+
+
+def _edges(way: Way, strip: LaneStrip, start: float, end: float) -> tuple[float, float]:
+    """Return the innermost t of a lane's right and left edge between two s, m."""
+    road = way.corridor
+    s = [start, *road.s[(road.s > start) & (road.s < end)].tolist(), end]
+    right, left = np.interp(s, road.s, strip.right), np.interp(s, road.s, strip.left)
+    return float(right.max()), float(left.min())
 
 
 def _add_repair(

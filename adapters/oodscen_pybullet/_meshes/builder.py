@@ -19,6 +19,7 @@ from oodscen_pybullet._meshes.shapes import (
     moved,
     ring,
     sphere_grid,
+    unit,
     unit_rows,
 )
 from oodscen_pybullet._types import Array, Ints, Point
@@ -284,8 +285,11 @@ class MeshBuilder:
         *,
         by_day: float = BY_DAY,
     ) -> Self:
-        """Declare a light that glows in the dark, and faintly by day."""
-        self._lamps.append(Lamp(position, colour, facing, power, by_day))
+        """Declare a light that glows in the dark, and faintly by day.
+
+        The length of `facing` plays no part; (0, 0, 0) shines in all directions.
+        """
+        self._lamps.append(Lamp(position, colour, unit(facing), power, by_day))
         return self
 
     def puff(

@@ -22,7 +22,7 @@ class Lamp:
     colour: Point
     """Red, green, blue, 0 to 1."""
     facing: Point
-    """Direction of the beam in the mesh's frame; (0, 0, 0) shines in all directions."""
+    """Direction of the beam in the mesh's frame, of length 1; (0, 0, 0) shines in all directions."""
     power: float = 1.0
     """Relative power: 1 is a tail lamp; a headlamp on low beam is about 4."""
     by_day: float = BY_DAY

@@ -103,6 +103,16 @@ def _cross(one: Sequence[float], two: Sequence[float]) -> Point:
     )
 
 
+def unit(way: Point) -> Point:
+    """Return a direction scaled to length 1; one of length 0 as it is."""
+    largest = max(map(abs, way))
+    if largest == 0.0:
+        return way
+    x, y, z = (part / largest for part in way)  # The squares of tiny parts would be 0.
+    length = math.sqrt(x * x + y * y + z * z)
+    return x / length, y / length, z / length
+
+
 def unit_rows(rows: Array, fallback: Array) -> Array:
     """Scale rows to unit length; rows of zero length take the fallback's direction."""
     lengths = np.sqrt((rows * rows).sum(axis=1, keepdims=True))

@@ -337,6 +337,38 @@ def test_the_last_of_several_starts_counts(tmp_path, places, split):
     assert all(one.startswith("line ") and ": Position: " in one for one in again)
 
 
+def beside(name, dx):
+    return f'<RelativeObjectPosition entityRef="{name}" dx="{dx}" dy="0"/>'
+
+
+@pytest.mark.parametrize(
+    ("places", "ahead"),
+    [
+        ([("a", lane(220)), ("b", beside("a", 10)), ("a", lane(280))], {"a": 80, "b": 30}),
+        ([("a", lane(220)), ("a", lane(280)), ("b", beside("a", 10))], {"a": 80, "b": 90}),
+        ([("a", lane(220)), ("b", beside("a", 10)), ("a", beside("b", 5))], {"a": 35, "b": 30}),
+        ([("a", lane(220)), ("b", beside("a", 10)), ("a", beside("a", 5))], {"a": 25, "b": 30}),
+        ([("b", beside("a", 10)), ("a", lane(220))], {"a": 20, "b": 30}),
+        ([("b", beside("a", 10)), ("a", beside("b", 5)), ("a", lane(220))], {"a": 20, "b": 30}),
+        ([("b", beside("a", 10)), ("b", lane(260)), ("a", lane(220))], {"a": 20, "b": 60}),
+        ([("a", beside("a", 10)), ("a", lane(220)), ("b", lane(240))], {"a": 20, "b": 40}),
+        ([("a", lane(5000)), ("a", lane(220)), ("b", beside("a", 10))], {"a": 20, "b": 30}),
+    ],
+)
+def test_starts_are_taken_in_order(places, ahead, tmp_path):
+    starts = [start("ego", lane(200), 10), *(start(*place) for place in places)]
+    found = read(tmp_path, file([entity("ego"), entity("a"), entity("b")], starts))
+    assert {one.id: one.placement.ahead_m for one in found.scene.actors} == ahead
+
+
+def test_two_starts_that_wait_for_each_other_are_named_as_the_cause(tmp_path):
+    starts = [start("ego", lane(200), 10), start("a", lane(220))]
+    starts += [start("a", beside("b", 5)), start("b", beside("a", 10))]
+    with pytest.raises(OodscenError, match="relative to 'b', whose place is not known") as caught:
+        read(tmp_path, file([entity("ego"), entity("a"), entity("b")], starts))
+    assert "relative to 'a', whose place is not known" in str(caught.value)
+
+
 def test_a_last_start_that_cannot_be_read_is_not_replaced_by_an_earlier_one(tmp_path):
     again = placed('<GeoPosition latitude="1" longitude="1"/>')
     text = cars().replace(

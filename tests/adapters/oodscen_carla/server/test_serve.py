@@ -11,7 +11,7 @@ from oodscen_carla.server._listener import FREE_RUN_S
 from oodscen_carla.server._world import World
 
 from oodscen import make_simulator
-from oodscen.errors import UsageError
+from oodscen.errors import SceneError, UsageError
 from oodscen.testing import example_scene
 from oodscen.testing._flat import FlatSimulator
 
@@ -67,13 +67,47 @@ def test_a_host_that_does_not_exist_is_told(port):
     assert str(found.value).endswith(str(known.value))
 
 
-@pytest.mark.parametrize("port", [65_535, 70_000, -5])
-def test_ports_that_do_not_exist_are_told(port):
+@pytest.mark.parametrize("host", ["a\0b", "\udc80", "." * 300])
+def test_a_host_that_cannot_be_a_name_is_told_and_no_socket_stays_open(host, monkeypatch):
+    opened = []
+
+    class Recorded(socket.socket):
+        def __init__(self, *arguments, **named):
+            super().__init__(*arguments, **named)
+            opened.append(self)
+
+    monkeypatch.setattr(socket, "socket", Recorded)
+    with pytest.raises(UsageError, match="cannot listen on"), serve(simulator="flat", host=host):
+        pass
+    assert len(opened) == 2
+    assert all(one.fileno() == -1 for one in opened)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        *[({"port": port}, "port must be a whole number") for port in (65_535, 70_000, -5, "5")],
+        *[({"seed": seed}, "seed must be a whole number") for seed in ("x", -1, 1.5, True)],
+        ({"scenes": example_scene()}, "scenes must be"),
+        ({"scenes": ["a"]}, "scenes"),
+        ({"host": None}, "host must be"),
+    ],
+)
+def test_an_argument_that_does_not_fit_is_told_at_once(arguments, message):
     with (
-        pytest.raises(UsageError, match=f"ports {port} and {port + 1}: .*0-65535"),
-        serve(simulator="flat", port=port),
+        pytest.raises(UsageError, match=message),
+        serve(**{"simulator": "flat", **arguments}),
     ):
         pass
+
+
+def test_no_folder_is_left_if_the_first_scene_cannot_be_staged(monkeypatch, tmp_path):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    scene = example_scene().model_copy(update={"map": "nowhere"})
+    with pytest.raises(SceneError) as caught, serve([scene], simulator="flat"):
+        pass
+    assert caught.value.__traceback__  # Keeps what failed alive.
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_port_that_is_taken_is_told():

@@ -43,6 +43,21 @@ def test_repairs_and_covers_lie_in_their_lane(width: float, seed: int) -> None:
     assert 0.0 < low[2] < high[2] < 0.01
 
 
+@given(st.floats(-0.4, 0.4), st.integers(0, 99))
+def test_repairs_lie_in_a_lane_whose_edges_wander(slope: float, seed: int) -> None:
+    """They turn every 40 m, and the lane is 4 m wide."""
+    right = slope * np.abs((S % 80.0) - 40.0)
+    lane = LaneStrip("driving", 1, right, right + 4.0, "solid")
+    road = replace(STRAIGHT, strips=(lane,), speed_limit=25.0)
+    way = Ground(road).ego
+    ribbons = Ribbons(way.course)
+    add_repairs_and_manholes(way, ribbons, np.random.default_rng(seed))
+    x, y, _ = ribbons.mesh().vertices.T
+    inwards = y - np.interp(x, S, right)
+    assert inwards.min() > 0.0
+    assert inwards.max() < 4.0
+
+
 def test_a_narrow_lane_has_none() -> None:
     assert all(len(repaired(2.4, seed).triangles) == 0 for seed in range(5))
 

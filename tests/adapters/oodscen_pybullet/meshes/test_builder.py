@@ -10,6 +10,7 @@ from oodscen_pybullet._meshes.mesh import Mesh
 
 sizes = st.floats(0.05, 5.0)
 spots = st.floats(-10.0, 10.0)
+ways = st.sampled_from([-14.0, -2.0, -0.5, 0.0, 1.0, 3.0])
 
 
 def volume(mesh: Mesh) -> float:
@@ -47,6 +48,24 @@ def test_puffs_and_lamps_move_with_the_mesh(scale: float, away: float) -> None:
     assert built.puffs[0].position == pytest.approx((scale + away, 0, scale))
     assert built.puffs[0].radius == pytest.approx(0.5 * scale)
     assert built.lamps[0].position == built.puffs[0].position
+
+
+@given(st.tuples(ways, ways, ways).filter(any), st.floats(1e-200, 1e200))
+def test_the_length_of_a_beams_direction_plays_no_part(
+    way: tuple[float, float, float], length: float
+) -> None:
+    beams = [
+        MeshBuilder().lamp((0, 0, 1), (1, 1, 1), facing).build().lamps[0].facing
+        for facing in (way, tuple(part * length for part in way))
+    ]
+    assert math.hypot(*beams[0]) == pytest.approx(1.0)
+    assert beams[0] == pytest.approx(beams[1])
+    assert np.dot(beams[0], way) == pytest.approx(math.hypot(*way))
+
+
+def test_a_beam_without_direction_shines_in_all() -> None:
+    mesh = MeshBuilder().lamp((0, 0, 1), (1, 1, 1), (0, 0, 0)).build()
+    assert mesh.lamps[0].facing == (0, 0, 0)
 
 
 @pytest.mark.parametrize("axis", ["x", "z"])
