@@ -34,10 +34,16 @@ def last_by(values: Iterable[Value], key: Callable[[Value], Hashable]) -> list[V
     return list({key(value): value for value in values}.values())
 
 
-def judged_episodes(episodes: Iterable[Episode]) -> list[Episode]:
-    """Return the last episode of every item, without scenes whose hazard cannot be named and their ordinary drives."""
+def unnamed_scenes(episodes: Iterable[Episode]) -> set[str]:
+    """Return the ids of scenes whose hazard cannot be named at the decision, and which are not judged."""
     latest = last_by(episodes, lambda episode: episode.scene_id)
-    unnamed = {episode.scene_id for episode in latest if episode.is_below_floor}
+    return {episode.scene_id for episode in latest if episode.is_below_floor}
+
+
+def judged_episodes(episodes: Iterable[Episode]) -> list[Episode]:
+    """Return the last episode of every item, without `unnamed_scenes` and their ordinary drives."""
+    latest = last_by(episodes, lambda episode: episode.scene_id)
+    unnamed = unnamed_scenes(latest)
     return [episode for episode in latest if scene_of(episode.scene_id) not in unnamed]
 
 

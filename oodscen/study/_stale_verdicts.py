@@ -13,7 +13,7 @@ from oodscen.data._scene import Scene
 from oodscen.data._verdict import Protocol, Verdict, verdict_id
 from oodscen.errors import UsageError
 from oodscen.judging._aspects.opinions import Opinion
-from oodscen.judging._items import judged_episodes
+from oodscen.judging._items import judged_episodes, unnamed_scenes
 from oodscen.judging._kinds import Kinds
 from oodscen.judging._people import PersonAnswers, person
 from oodscen.judging._questions import aspect_options
@@ -207,7 +207,7 @@ class Judged(NamedTuple):
     ) -> "Judged":
         """Return the part of a study's episodes and scenes that answerers are judged on."""
         asked = choose_items(episodes, count=config.ordinary, seed=config.seed)
-        unnamed = {episode.scene_id for episode in episodes if episode.is_below_floor}
+        unnamed = unnamed_scenes(episodes)
         judged = judged_episodes(episodes)
         return cls(judged, asked, [scene for scene in scenes if scene.id not in unnamed])
 
