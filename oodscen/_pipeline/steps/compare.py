@@ -2,6 +2,7 @@
 
 from oodscen._pipeline.context import Context
 from oodscen._study_files import CATALOGUES
+from oodscen.data._catalogue import Catalogue
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.pruner import Pruner
 from oodscen.stages._prune.side_by_side import compare
@@ -15,7 +16,7 @@ def compare_catalogues(run: Context, tree: ScenarioTree) -> None:
     equal those of the pruning stage, so a recorded model is not asked them again.
     """
     catalogues = {run.config.simulator: run.simulator.catalogue(), **run.compared}
-    if len(catalogues) == 1 or _is_compared(run, tree):
+    if len(catalogues) == 1 or _is_compared(run, tree, catalogues):
         return
     total = len(catalogues) * len(tree.leaves)
     judged: dict[str, list[PruneDecision]] = {}
@@ -32,11 +33,19 @@ def compare_catalogues(run: Context, tree: ScenarioTree) -> None:
     run.store.write(CATALOGUES, compare(tree, catalogues, judged).to_json() + "\n")
 
 
-def _is_compared(run: Context, tree: ScenarioTree) -> bool:
-    """Return whether a comparison of this tree is stored; one with leaves that failed counts unless they are retried."""
+def _is_compared(run: Context, tree: ScenarioTree, catalogues: dict[str, Catalogue]) -> bool:
+    """Return whether a comparison of this tree and these catalogues is stored.
+
+    One with leaves that failed counts unless they are retried.
+    """
     if not run.store.holds(CATALOGUES):
         return False
     comparison = run.study.comparison
     if run.options.retry and any(tally.failed for tally in comparison.tallies):
         return False
-    return {line.id: line.path for line in comparison.lines} == tree.paths
+    is_same = all(
+        tally.catalogue_digest in ("", catalogues[tally.catalogue].digest())
+        for tally in comparison.tallies
+        if tally.catalogue in catalogues
+    )
+    return is_same and {line.id: line.path for line in comparison.lines} == tree.paths

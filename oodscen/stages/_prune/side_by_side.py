@@ -53,6 +53,8 @@ class CatalogueTally(Data):
     absent: tuple[str, ...]
     """Kinds that the catalogue lacks entirely: `animal`, `snow` ..."""
     restoration: Restoration
+    catalogue_digest: str = ""
+    """`Catalogue.digest()` of what was compared; empty in studies made before this was kept."""
 
     def __str__(self) -> str:
         """Return the figures and the best additions, for a terminal."""
@@ -174,6 +176,7 @@ def compare(
                 alone=len(shown[name] - shown_elsewhere),
                 absent=missing_kinds(catalogue),
                 restoration=restoration(decisions),
+                catalogue_digest=catalogue.digest(),
             )
         )
     return CatalogueComparison(catalogues=tuple(catalogues), tallies=tuple(tallies), lines=lines)

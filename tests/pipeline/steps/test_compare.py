@@ -6,6 +6,7 @@ from oodscen import StudyConfig
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.steps.compare import compare_catalogues
+from oodscen._registry import make_catalogue
 from oodscen._study_files import CATALOGUES
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.testing import ScriptedLLM
@@ -100,3 +101,18 @@ def test_leaves_that_could_not_be_judged_are_judged_again_on_demand(tmp_path, tr
         run.models.close()
         failed.append(run.study.comparison.tallies[1].failed)
     assert failed == [3, 3, 0, 0]
+
+
+def test_a_catalogue_that_was_edited_is_compared_again(tmp_path, tree):
+    file = tmp_path / "theirs.json"
+    catalogue = make_catalogue("carla-0.9.16")
+    file.write_text(catalogue.to_json())
+    config = QUICK.model_copy(update={"catalogues": (str(file),)})
+    shown = []
+    for assets in (catalogue.assets, (), ()):
+        file.write_text(catalogue.model_copy(update={"assets": assets}).to_json())
+        run = prepared(tmp_path / "out", config)
+        compare_catalogues(run, tree)
+        shown.append(run.store.path(CATALOGUES).read_bytes())
+    assert shown[0] != shown[1] == shown[2]
+    assert "object" in run.study.comparison.tallies[1].absent
