@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from oodscen import StudyConfig
+from oodscen._cli import EXIT_CODES
 from oodscen._pipeline import run_study
 from oodscen.baselines._baseline import Baseline
 from tests.pipeline.quick import ORDINARY
@@ -127,3 +128,9 @@ def test_links_lead_somewhere():
     for page in PAGES:
         for target in re.findall(r"\]\((?!https?://)([^)#]+)", page.read_text(encoding="utf-8")):
             assert (page.parent / target).exists(), f"{page.name}: {target}"
+
+
+def test_the_page_of_the_command_line_has_the_exit_codes():
+    page = (ROOT / "docs" / "command_line.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (\d+) \| (.+) \|$", page, re.MULTILINE)
+    assert {int(code): meaning for code, meaning in rows} == EXIT_CODES

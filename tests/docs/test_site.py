@@ -62,5 +62,14 @@ def test_links_have_their_targets(page):
             assert anchor in anchors(file), f"{page.name}: {target}#{anchor}"
 
 
+def test_the_changelog_links_pages_of_the_site():
+    links = LINK.findall((ROOT / "CHANGELOG.md").read_text(encoding="utf-8"))
+    assert links
+    for target, anchor in links:
+        file = (ROOT / target).resolve()
+        assert file in PAGES, target
+        assert not anchor or anchor in anchors(file), f"{target}#{anchor}"
+
+
 def test_pictures_stay_small():
     assert (DOCS / "pictures" / "strip.jpg").stat().st_size < 100_000
