@@ -63,6 +63,8 @@ class Request(Brief):
     """Index of this draw among several independent draws of the same question."""
     attempt: int = 1
     """Number of this try of the draw, counted from 1; above 1, the last turns ask for a repair."""
+    repeat: int = 0
+    """Number of answers to this very request that were of no use and are asked for again."""
 
 
 class Usage(Data):

@@ -1,5 +1,6 @@
 """The command that prunes a tree for one simulator, or compares several."""
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -67,7 +68,8 @@ def prune(
 
     Writes the simulatable tree, and a summary to standard error. Branches that need substitute assets are kept
     unless --exact is given; `oodscen run` always drops them. With several --catalogue options, writes a
-    comparison of the catalogues instead, as a table or with --json as JSON.
+    comparison of the catalogues instead, as a table or with --json as JSON. Branches that the model did not
+    judge are reported on standard error and dropped; the exit code is then 1.
     """
     from oodscen import ScenarioTree, make_llm
     from oodscen._registry import make_catalogue
@@ -98,7 +100,7 @@ def prune(
         comparison = compare(grown, offered, judged)
         words = comparison.model_dump_json(indent=2) if as_json else str(comparison)
         say(words) if out is None else write(out, words)
-        return
+        sys.exit(any(tally.failed for tally in comparison.tallies))
     ((name, catalogue),) = offered.items()
     answers = _judged(model, catalogue, grown, exact, ledger)
     if decisions is not None:
@@ -108,6 +110,7 @@ def prune(
     write(out, apply_decisions(grown, answers).to_json())
     (tally,) = compare(grown, offered, {name: answers}).tallies
     say(str(tally), err=True)
+    sys.exit(bool(tally.failed))
 
 
 def _judged(
@@ -116,5 +119,11 @@ def _judged(
     from oodscen import Pruner
 
     pruner = Pruner(model, catalogue, substitutes=not exact)
-    decisions = pruner.decisions(tree)
-    return list(tracked(decisions, f"prune {pruner.name}", len(tree.leaves), ledger))
+    judged = []
+    for decision in tracked(
+        pruner.decisions(tree), f"prune {pruner.name}", len(tree.leaves), ledger
+    ):
+        judged.append(decision)
+        if decision.status == "failed":
+            say(f"{decision.id}: {decision.error}", err=True)
+    return judged

@@ -107,7 +107,10 @@ def redteam(
     out: Path | None,
     **choices: Any,
 ) -> None:
-    """Extend the tree in the file TREE by red teaming."""
+    """Extend the tree in the file TREE by red teaming.
+
+    Rounds that failed are reported on standard error; the exit code is then 1.
+    """
     from oodscen import RedTeamer, ScenarioTree, make_llm
     from oodscen.llm._accounting import Ledger
     from oodscen.stages._redteam.saturation import saturation
@@ -136,6 +139,8 @@ def redteam(
     for red_round in tracked(teamer.rounds(grown), "redteam", iterations, ledger):
         grown = grown.apply(*red_round.edits)
         rounds.append(red_round)
+        if red_round.status == "failed":
+            say(f"round {red_round.round}: {red_round.error}", err=True)
     if log is not None:
         write_lines(log, rounds)
     estimates = saturation(rounds)
@@ -146,6 +151,7 @@ def redteam(
         say(canonical_json({**estimates.model_dump(mode="json"), "stopped_by": stopped_by}))
     else:
         say(rounds_in_words(estimates, stopped_by, closed=not open_loop), err=True)
+    sys.exit(any(red_round.status == "failed" for red_round in rounds))
 
 
 @click.command(cls=FileCommand)
@@ -199,7 +205,7 @@ def describe(
     """Write texts for every path of the tree in the file TREE, one scenario per line.
 
     Paths with too few texts inside --band, or without an answer from the model, are reported on standard error
-    and skipped; the exit code is then 1.
+    and skipped, and texts without the twin that --twins asks for are counted there; the exit code is then 1.
     """
     from oodscen import Describer, ScenarioTree, make_encoder, make_llm
     from oodscen.baselines import load_baseline
@@ -240,9 +246,13 @@ def describe(
         reworded = {scenario.id: scenario for scenario in describer.reworded(scenarios)}
     except LLMError as error:
         say(f"texts that repeat others stay: {error}", err=True)
-    write_lines(out, [reworded.get(scenario.id, scenario) for scenario in scenarios])
+    scenarios = [reworded.get(scenario.id, scenario) for scenario in scenarios]
+    write_lines(out, scenarios)
     say(f"{len(scenarios)} texts, {len(failures)} of {len(paths)} paths failed", err=True)
-    sys.exit(bool(failures))
+    without_twin = sum(scenario.ordinary is None for scenario in scenarios) if twins else 0
+    if without_twin:
+        say(f"{without_twin} of them without a twin: no answer could be read", err=True)
+    sys.exit(bool(failures or without_twin))
 
 
 @click.command(cls=FileCommand)

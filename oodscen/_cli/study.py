@@ -40,7 +40,7 @@ from oodscen._cli.summaries import estimated, exit_code, graded, left_out, summa
 from oodscen._files import is_written_through
 from oodscen._registry import DEFAULT_ENCODER, is_builtin
 from oodscen._study_files import QUIZ, refuse_own
-from oodscen.errors import UsageError
+from oodscen.errors import AnswerError, UsageError
 
 
 @click.command(cls=SectionedCommand, sections=RUN_SECTIONS)
@@ -229,17 +229,21 @@ def run(
         say(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
         return
     ledger = Ledger()
-    with bars(ledger) as progress:
-        study = run_study(
-            out,
-            config,
-            workers=workers or os.cpu_count() or 1,
-            progress=progress,
-            outputs=Outputs(traces, annotations, video),
-            limits=limits,
-            ledger=ledger,
-            retry=retry_failed,
-        )
+    try:
+        with bars(ledger) as progress:
+            study = run_study(
+                out,
+                config,
+                workers=workers or os.cpu_count() or 1,
+                progress=progress,
+                outputs=Outputs(traces, annotations, video),
+                limits=limits,
+                ledger=ledger,
+                retry=retry_failed,
+            )
+    except AnswerError:
+        say("the same command finds these answers in the study again; --retry-failed asks anew", err=True)
+        raise
     info = study.info
     if as_json:
         say(json.dumps(info, indent=2))

@@ -35,6 +35,7 @@ from oodscen.llm._accounting import accounts
 from oodscen.report._render import write_report
 from oodscen.study._config import JUDGING, Status, StudyConfig
 from oodscen.study._record import record
+from oodscen.study._rounds import failed_at_end
 from oodscen.study._shared_settings import refuse_changed_settings
 from oodscen.study._stale_verdicts import OPINIONS
 from oodscen.study._study import Study
@@ -221,8 +222,9 @@ class Pipeline:
         """Return the number of failed items of every table, and of what was asked for beside their lines."""
         counts = {
             table: len(self.study.failures(table))
-            for table in ("redteam", "pruned", "scenarios", "scenes", "episodes", "verdicts")
+            for table in ("pruned", "scenarios", "scenes", "episodes", "verdicts")
         }
+        counts["redteam"] = len(failed_at_end(self.study.rounds))
         others = {"texts": text_files(self.config)[1:], "assets": [ASSETS], "motions": [MOTIONS]}
         for table, files in others.items():
             if any(map(self.store.holds, files)):

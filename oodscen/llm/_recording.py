@@ -93,7 +93,7 @@ class Exchange(LeanData):
 
     def key(self) -> str:
         """Return the key by which a request is matched to this exchange."""
-        return _key(self.purpose, self.sample, self.attempt, self.messages)
+        return _digest(self.purpose, self.sample, self.attempt, self.messages)
 
 
 class _LineSpan(NamedTuple):
@@ -157,14 +157,20 @@ class Recording(Brief):
         Raises:
             UsageError: When several models answered and none is chosen.
         """
-        key = _key(request.prompt.purpose, request.sample, request.attempt, request.messages)
         with self._lock:
-            spans = [span for span in self._spans.get(key, ()) if model in (None, span.model)]
+            spans = [
+                span for span in self._spans.get(_key(request), ()) if model in (None, span.model)
+            ]
         if not spans:
             return None
         self._refuse_several(spans)
         with self._open_file() as file:
             return self._load(file, spans[-1])
+
+    def count(self, request: Request, model: str) -> int:
+        """Return how many answers of a model to a request there are."""
+        with self._lock:
+            return sum(span.model == model for span in self._spans.get(_key(request), ()))
 
     def refuse_several(self) -> None:
         """Refuse a recording in which several models answered one question.
@@ -392,7 +398,12 @@ _recorders: weakref.WeakValueDictionary[Path, Recorder] = weakref.WeakValueDicti
 _recorders_lock = threading.Lock()
 
 
-def _key(purpose: str, sample: int, attempt: int, messages: tuple[Message, ...]) -> str:
+def _key(request: Request) -> str:
+    """Return the key of the exchanges that answer a request."""
+    return _digest(request.prompt.purpose, request.sample, request.attempt, request.messages)
+
+
+def _digest(purpose: str, sample: int, attempt: int, messages: tuple[Message, ...]) -> str:
     turns = [
         [message.role, message.text, [image.sha256 for image in message.images]]
         for message in messages

@@ -1,6 +1,7 @@
 """Models that record their answers, and models that answer from a recording."""
 
 import time
+from dataclasses import replace
 from pathlib import Path
 
 from oodscen._display import Brief
@@ -42,6 +43,7 @@ class RecordingLLM(WrappingLLM):
         # Opening reads what other processes have recorded meanwhile.
         if (recorded := self._recorded(request)) is not None:
             return recorded
+        request = replace(request, repeat=self._recorder.count(request, self.name))
         began = time.perf_counter()
         completion = complete(self._llm, request)
         seconds = time.perf_counter() - began

@@ -25,6 +25,7 @@ from oodscen.stages._making.motions import MadeMotion
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._redteam.red_teamer import Round
 from oodscen.study._config import StudyConfig
+from oodscen.study._rounds import failed_at_end
 from oodscen.study._stale import changed_texts, in_words, stale_scenes
 from oodscen.study._stale_verdicts import Tables, stale_in_words
 from oodscen.study._store import Store
@@ -35,6 +36,7 @@ Row = TypeVar("Row", bound=Data)
 Value = TypeVar("Value")
 
 _UNPRINTABLE = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ud800-\udfff\ufffe\uffff]")
+_NO_REASON = "no reason was recorded"
 _CREDENTIALS = re.compile(r"(://)[^/@\s]+@")
 
 
@@ -111,6 +113,10 @@ def read(study: Study) -> Material:
         if tree is not None:
             material.trees[name] = tree
     material.rounds = _rows(store, "redteam", Round, material)
+    material.failures += [
+        FailedItem("redteam", f"round {failed.round}", failed.error or _NO_REASON)
+        for failed in failed_at_end(material.rounds)
+    ]
     material.decisions = _rows(store, "pruned", PruneDecision, material)
     material.assets = _optional(store, ASSETS, MadeProp, material)
     material.motions = _optional(store, MOTIONS, MadeMotion, material)
@@ -273,18 +279,17 @@ def _rows(store: Store, table: str, kind: type[Row], material: Material) -> list
 
 
 def _sound(lines: Iterable[Row | dict[str, Any]], table: str, material: Material) -> list[Row]:
-    """Return the rows of a table; failed items are collected, whether rows or plain data."""
+    """Return the rows of a table; failed items but rounds are collected, whether rows or plain data."""
     rows = []
     for line in lines:
         if isinstance(line, Data):
             rows.append(line)
-            if getattr(line, "status", "ok") != "failed":
+            if getattr(line, "status", "ok") != "failed" or isinstance(line, Round):
                 continue
             name, error = getattr(line, "id", None), getattr(line, "error", None)
         else:
             name, error = line.get("id"), line.get("error")
-        label = f"round {line.round}" if isinstance(line, Round) else str(name or "?")
-        material.failures.append(FailedItem(table, label, str(error or "no reason was recorded")))
+        material.failures.append(FailedItem(table, str(name or "?"), str(error or _NO_REASON)))
     return rows
 
 

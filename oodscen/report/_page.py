@@ -134,6 +134,7 @@ def _scenes(scenes: Mapping[str, Any]) -> dict[str, Any]:
             if tally[leaf]
         ],
         "cards": len(rows),
+        "cards_failed": sum(bool(row["error"]) for row in rows),
         "twins": sum(row["twin"] is not None for row in rows),
         "filters": _filters(scenes),
     }

@@ -128,7 +128,9 @@
     extend();
     more.hidden = built >= fits.length;
     const limited = fits.length !== scenes.length || leaf;
-    get("shown").value = limited ? `${fits.length} of ${scenes.length} scenes${leaf ? ` on one path` : ""}` : `${scenes.length} scenes`;
+    const failed = fits.filter((scene) => scene.error).length;
+    get("shown").value = (limited ? `${fits.length} of ${scenes.length} scenes${leaf ? " on one path" : ""}` : `${scenes.length} scenes`)
+      + (failed ? `, ${failed} of them failed` : "");
     get("f-reset").hidden = !limited && !Object.keys(want).length;
     get("none").hidden = fits.length > 0;
     const query = new URLSearchParams(want).toString();

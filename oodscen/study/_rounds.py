@@ -1,5 +1,7 @@
 """The red team's rounds from which a run continues."""
 
+from collections.abc import Sequence
+from itertools import takewhile
 from typing import TYPE_CHECKING
 
 from oodscen.errors import DataError
@@ -30,3 +32,12 @@ def rounds_on(study: "Study", initial: ScenarioTree) -> list[Round]:
         source = str(study.store.path("redteam.jsonl"))
         raise DataError(error.noun, error.issues, source=source) from None
     return rounds
+
+
+def failed_at_end(rounds: Sequence[Round]) -> list[Round]:
+    """Return the failed rounds at the end of a log: they can be played again.
+
+    A failed round before others counts as one that brought nothing, since later rounds build on it.
+    """
+    backwards = takewhile(lambda played: played.status == "failed", reversed(rounds))
+    return list(backwards)[::-1]

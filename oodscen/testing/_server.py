@@ -182,7 +182,7 @@ class _Announcing:
         self._server = server
 
     def complete(self, request: Request) -> Completion:
-        seed = provider_seed(self.client.seed, request.sample, request.attempt)
+        seed = provider_seed(self.client.seed, request.sample, request.attempt, request.repeat)
         self._server.announce(request, seed)
         return self.client.complete(request)
 

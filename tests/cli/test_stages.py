@@ -113,3 +113,33 @@ def test_a_path_without_texts_inside_the_band_costs_its_own_texts_only(tmp_path)
     none = invoke(*order, "0.9", "0.99")
     assert none.exit_code == 2
     assert none.stdout == ""
+
+
+class Refusing:
+    """Writes texts, and refuses every other question."""
+
+    name = "refusing"
+
+    def complete(self, request):
+        is_text = request.prompt.purpose == "describe-path"
+        return Completion(
+            text=json.dumps({"texts": [BOX]}) if is_text else "I cannot help with that."
+        )
+
+
+def test_what_a_model_did_not_do_is_told_and_is_no_success(tmp_path) -> None:
+    tree = tmp_path / "tree.json"
+    box = TreeEdit(op="add", node="box", parent="environmental", label="Box on the road")
+    tree.write_text(ScenarioTree.initial().apply(box).to_json())
+    model = ("--llm", f"{__name__}:Refusing")
+    texts = invoke("describe", tree, *model, "--per-path", 1, "--twins")
+    assert (texts.exit_code, json.loads(texts.stdout)["ordinary"]) == (1, None)
+    assert "1 of them without a twin" in texts.stderr
+    rounds = invoke("redteam", tree, *model, "--iterations", 2, "--encoder", "none")
+    assert rounds.exit_code == 1
+    assert "round 2: refusing gave no valid answer" in rounds.stderr
+    for catalogues in (("flat",), ("flat", "pybullet")):
+        options = [word for name in catalogues for word in ("--catalogue", name)]
+        pruned = invoke("prune", tree, *model, *options)
+        assert pruned.exit_code == 1
+        assert pruned.stderr.count("box: refusing gave no valid answer") == len(catalogues)

@@ -306,3 +306,17 @@ def test_no_key_is_recorded(file, monkeypatch):
     llm.complete(Request(prompt, prompt.messages(), {}))
     assert KEY not in file.read_text()
     assert Exchange.parse(file.read_text()).answer == "your key is [redacted]"
+
+
+def test_a_question_that_is_asked_again_says_how_often_it_was_answered(file):
+    asked = []
+
+    def answer(request):
+        asked.append((request.sample, request.repeat))
+        return "x"
+
+    for sample, is_reading in ((0, True), (0, False), (1, True), (0, False), (0, True)):
+        RecordingLLM(ScriptedLLM(answer), file, is_reading=is_reading).complete(
+            request(sample=sample)
+        )
+    assert asked == [(0, 0), (0, 1), (1, 0), (0, 2)]

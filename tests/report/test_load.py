@@ -81,3 +81,16 @@ def test_reading_changes_nothing(study: Study) -> None:
     before = content()
     read(study)
     assert content() == before
+
+
+def test_a_failed_round_is_a_failed_item_only_at_the_end(study: Study) -> None:
+    rounds = [played for played in study.rounds if played.status == "ok"]
+    for place, failures in ((1, []), (len(rounds) - 1, [f"round {rounds[-1].round}"])):
+        changed = {"status": "failed", "error": "no answer", "decision": None, "edits": ()}
+        lines = [
+            played.model_copy(update=changed) if index == place else played
+            for index, played in enumerate(rounds)
+        ]
+        study.store.write_lines("redteam.jsonl", lines)
+        found = [item.id for item in read(study).failures if item.stage == "redteam"]
+        assert found == failures

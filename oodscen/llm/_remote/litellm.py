@@ -172,7 +172,7 @@ class LiteLLM(Brief):
         arguments = {
             **self._arguments,
             "messages": [wire_message(message, self.name) for message in request.messages],
-            "seed": provider_seed(self.seed, request.sample, request.attempt),
+            "seed": provider_seed(self.seed, request.sample, request.attempt, request.repeat),
         }
         most = self._most(request)
         purpose = request.prompt.purpose

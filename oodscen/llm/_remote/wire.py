@@ -11,12 +11,13 @@ _MARKS_CACHE = re.compile(r"anthropic|claude", re.IGNORECASE)
 """Models whose providers cache a prefix only where a request marks its end."""
 
 
-def provider_seed(seed: int, sample: int, attempt: int = 1) -> int:
+def provider_seed(seed: int, sample: int, attempt: int = 1, repeat: int = 0) -> int:
     """Return the seed for one call to a provider: below 2**31, as some require.
 
-    A repair has another seed than the question, since a model might otherwise repeat its fault word for word.
+    A repair or repetition has another seed than the question, since a model might otherwise repeat its fault word
+    for word.
     """
-    return (seed * 1_000_003 + sample + (attempt - 1) * 500_000_003) % 2**31
+    return (seed * 1_000_003 + sample + (attempt - 1) * 500_000_003 + repeat * 300_000_007) % 2**31
 
 
 def wire_message(message: Message, model: str = "") -> dict[str, Any]:
