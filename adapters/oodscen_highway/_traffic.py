@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from oodscen.driving import Corridor, StagedScene
 from oodscen.driving._motion.behaviours import having
+from oodscen.driving._motion.lane_keeping import PEAK
 
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")  # Its greeting goes to standard output.
 
@@ -23,13 +24,13 @@ from highway_env.vehicle.behavior import IDMVehicle
 from highway_env.vehicle.kinematics import Vehicle
 from highway_env.vehicle.objects import Landmark, Obstacle
 
-Locate = Callable[[float, float], tuple[float, float]]
+_Locate = Callable[[float, float], tuple[float, float]]
 
-GRIP_MPS2 = 9.0
+_GRIP_MPS2 = 9.0
 """Maximum braking on a dry road, m/s^2."""
-BESIDE_M = 0.3
+_BESIDE_M = 0.3
 """Distance from the lane up to which drivers mind a body's middle, m."""
-EDGES = {1: ("start", "end"), -1: ("far", "near")}
+_EDGES = {1: ("start", "end"), -1: ("far", "near")}
 """Nodes of highway-env's network between which the lanes of each direction of travel lie."""
 _STOPPING_MPS2 = 2.5
 """Braking in stop-and-go traffic, m/s^2."""
@@ -37,8 +38,14 @@ _HEADWAY_S = 1.2
 """Headway of drivers whose behaviour gives none, s."""
 _STANDING_MPS = 0.01
 """Speed up to which a driver that halts stands, m/s."""
-STRAIGHT_ON = having(lambda row: row.keeps_heading)
-CHANGES_LANE = having(lambda row: row.plain_action == "lane_change")
+_MOVING_MPS = 0.5
+"""Least speed of the traffic that a driver minds who cuts out, m/s."""
+_CHANGE_GAIN = 4.5
+"""Gain with which a lane change takes its duration from 5 to 95 % of the way, times that duration."""
+_STRAIGHT_ON = having(lambda row: row.keeps_heading)
+"""Behaviours that keep their heading."""
+_CHANGES_LANE = having(lambda row: row.plain_action == "lane_change")
+"""Behaviours that change lanes at their trigger."""
 
 
 class CorridorLane(AbstractLane):  # type: ignore[misc]  # highway-env has no types.
@@ -46,7 +53,7 @@ class CorridorLane(AbstractLane):  # type: ignore[misc]  # highway-env has no ty
 
     line_types = (0, 0)
 
-    def __init__(self, road: Corridor, locate: Locate, strip: int, direction: int) -> None:
+    def __init__(self, road: Corridor, locate: _Locate, strip: int, direction: int) -> None:
         self.road, self.locate, self.strip, self.direction = road, locate, strip, direction
         self.length = road.length
         self.forbidden = road.strips[strip].direction != direction
@@ -77,26 +84,33 @@ class CorridorLane(AbstractLane):  # type: ignore[misc]  # highway-env has no ty
 
     def on_lane(self, position: Any, s: Any = None, t: Any = None, margin: float = 0.0) -> bool:
         """Return whether a body there is in the way; highway-env minds those a metre aside, too."""
-        return bool(super().on_lane(position, s, t, min(margin, BESIDE_M)))
+        return bool(super().on_lane(position, s, t, min(margin, _BESIDE_M)))
 
 
 class HighwayActor(IDMVehicle):  # type: ignore[misc]
     """A moving body: highway-env's driver in its lane, or its bicycle straight on."""
 
+    speed: float
+    """m/s; negative in reverse."""
     since_s: float | None = None
     """Time since the trigger, s; `None` before."""
     covered_m = 0.0
+    """Distance gone so far, m."""
 
     def __init__(self, road: Road, body: StagedScene.Body, grip: float) -> None:
         self.behaviour, self.parameters = body.behaviour, dict(body.parameters or {})
-        self.is_driving = self.behaviour not in STRAIGHT_ON
+        self.is_driving = self.behaviour not in _STRAIGHT_ON
         goal = self.parameters.get("speed", body.speed)
         super().__init__(road, body.pose[:2], body.pose[3], body.speed, enable_lane_change=False)
         self.target_speed = -goal if self.behaviour == "reverse" else goal
-        edge = EDGES[body.direction]
+        edge = _EDGES[body.direction]
         strips = [lane.strip for lane in road.network.graph[edge[0]][edge[1]]]
         self.lane_index = self.target_lane_index = (*edge, strips.index(body.lane))
         self.goal_index = (*edge, strips.index(body.goal_lane))
+        _, shift_m = road.network.get_lane(self.goal_index).local_coordinates(self.position)
+        gripping_s = math.sqrt(PEAK * abs(shift_m) / grip)
+        self.change_s = max(self.parameters.get("duration", 0.0), gripping_s)
+        """Time that a lane change takes, s: the scene's, or longer if the tyres need it."""
         self.LENGTH, self.grip = body.asset.length, grip
         self.TIME_WANTED = self.parameters.get("headway", _HEADWAY_S)
         self.DISTANCE_WANTED = 2.0 + self.LENGTH
@@ -112,11 +126,12 @@ class HighwayActor(IDMVehicle):  # type: ignore[misc]
 
     def act(self, action: Any = None) -> None:
         """Choose steering and acceleration."""
-        if self.since_s is not None and self.behaviour in CHANGES_LANE:
+        if self.since_s is not None and self.behaviour in _CHANGES_LANE:
             self.target_lane_index = self.goal_index
-            # highway-env's gain would jump aside; growing, it takes the time that the scene says.
-            gain = 4.5 * self.since_s / self.parameters["duration"] ** 2
-            self.KP_LATERAL = min(gain, IDMVehicle.KP_LATERAL)
+            # highway-env's gain would jump aside at once; growing, it takes the change's time.
+            most = _CHANGE_GAIN / self.change_s
+            gain = most * self.since_s / self.change_s
+            self.KP_LATERAL = min(gain, max(most, IDMVehicle.KP_LATERAL))
         super().act()
         if not self.is_driving:
             self.action["steering"] = 0.0
@@ -125,6 +140,15 @@ class HighwayActor(IDMVehicle):  # type: ignore[misc]
         if self.target_speed >= 0.0:
             chosen = max(chosen, -self.speed / self.dt)
         self.action["acceleration"] = chosen
+
+    def acceleration(
+        self, ego_vehicle: Vehicle, front_vehicle: Any = None, rear_vehicle: Any = None
+    ) -> float:
+        """Return the driver model's acceleration; a driver who cuts out means to pass what stands."""
+        if front_vehicle is not None and self.behaviour == "cut_out":
+            away = float(front_vehicle.velocity @ self.direction)
+            front_vehicle = front_vehicle if away >= _MOVING_MPS else None
+        return float(super().acceleration(ego_vehicle, front_vehicle, rear_vehicle))
 
     def _acceleration(self, following: float) -> float:
         parameters, since_s = self.parameters, self.since_s
@@ -144,8 +168,6 @@ class HighwayActor(IDMVehicle):  # type: ignore[misc]
             return following
         if since_s is None and self.behaviour != "run_red":
             return 0.0
-        if self.covered_m >= parameters.get("distance", math.inf):
-            return -math.inf
         limit: float = parameters.get("acceleration", float(self.COMFORT_ACC_MAX))
         return float(np.clip(self.speed_control(self.target_speed), -limit, limit))
 
@@ -161,10 +183,16 @@ class HighwayActor(IDMVehicle):  # type: ignore[misc]
         )
 
     def step(self, dt: float) -> None:
-        """Move by one step."""
+        """Move by one step; a body that goes a distance stops at its end at once."""
+        left = self.parameters.get("distance", math.inf) - self.covered_m
+        arrives = self.speed * dt >= left
+        if arrives:
+            self.speed = left / dt
         before = self.position.copy()
         super().step(dt)
         self.covered_m += float(np.hypot(*(self.position - before)))
+        if arrives:
+            self.speed = self.target_speed = 0.0
         if self.since_s is not None:
             self.since_s += dt
 
@@ -174,7 +202,7 @@ def road_of(staged: StagedScene, seed: int) -> Road:
     road = staged.corridor
     locate = lru_cache(maxsize=64)(road.locate)
     network = RoadNetwork()
-    for direction, edge in EDGES.items():
+    for direction, edge in _EDGES.items():
         for strip in road.driving:
             network.add_lane(*edge, CorridorLane(road, locate, strip, direction))
     return Road(network, np_random=np.random.RandomState(seed))
@@ -190,7 +218,7 @@ def add_body(road: Road, staged: StagedScene, body: StagedScene.Body, dt: float)
         road.objects.append(row)
     else:
         if body.behaviour:
-            row = HighwayActor(road, body, GRIP_MPS2 * staged.scene.weather.friction)
+            row = HighwayActor(road, body, _GRIP_MPS2 * staged.scene.weather.friction)
         else:
             row = Vehicle(road, position, heading, body.speed)
         road.vehicles.append(row)

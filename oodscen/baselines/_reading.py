@@ -7,16 +7,21 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
-from oodscen._csv import csv_fault
+from oodscen._csv import csv_fault, fields_up_to
 from oodscen._display import brief
 from oodscen._files import read_utf8
 from oodscen._json import parse_json
-from oodscen.baselines._texts import fault_of, refuse
+from oodscen.baselines._texts import MAX_CHARACTERS, fault_of, refuse
 from oodscen.errors import Issue
 
 _LINE_END = re.compile(r"\r\n|\r|\n")
-_TEXT_LIST = re.compile(r"\s*\[\s*(?:[\"{\]]|$)")
+_OBJECT = r"\s*\{(?!\s*\w[^\"':{}]*\})"
+_TEXT_OBJECT = re.compile(_OBJECT)
+"""Beginning of a JSON object; `{deer} on the road` is a text."""
+_TEXT_LIST = re.compile(rf"\s*\[(?:\s*(?:[\"\]]|$)|{_OBJECT})")
 """Beginning of a JSON list of strings or objects; `[Night] A deer stands.` is a text."""
+_ONLY_LINE = re.compile(r" at line 1 (?=column \d+$)")
+"""Place that a fault names in a line that was parsed alone."""
 
 _GROUP_FIELDS = ("path", "leaf", "group")
 """Fields that may hold the group of a text; the first that is not empty counts."""
@@ -87,7 +92,7 @@ def _values(content: str, suffix: str) -> Values:
         return _csv_values(content, "\t" if suffix == ".tsv" else ",")
     if suffix in (".jsonl", ".ndjson"):
         return _json_lines(content)
-    if content.lstrip().startswith("{"):
+    if _TEXT_OBJECT.match(content):
         return _json_objects(content)
     if suffix == ".json" or _TEXT_LIST.match(content):
         return _json_list(content)
@@ -176,7 +181,12 @@ def _named_rows(
 
 
 def _csv_rows(content: str, delimiter: str) -> Iterator[tuple[int, list[str]] | Issue]:
-    """Yield the rows that are not blank, each with the line on which it begins; stop after malformed CSV."""
+    """Return the rows that are not blank, each with the line on which it begins; malformed CSV ends them."""
+    with fields_up_to(MAX_CHARACTERS):
+        return iter(list(_limited_csv_rows(content, delimiter)))
+
+
+def _limited_csv_rows(content: str, delimiter: str) -> Iterator[tuple[int, list[str]] | Issue]:
     reader = csv.reader(io.StringIO(content, newline=""), delimiter=delimiter, strict=True)
     while True:
         begins = reader.line_num + 1
@@ -221,7 +231,7 @@ def _json_lines(content: str) -> Values:
         try:
             yield f"line {number}", parse_json(line)
         except (ValueError, RecursionError) as error:
-            yield Issue(f"line {number}", f"is not JSON: {error}")
+            yield Issue(f"line {number}", f"is not JSON: {_ONLY_LINE.sub(' at ', str(error))}")
 
 
 def _record(where: str, value: Any) -> Record | Issue:

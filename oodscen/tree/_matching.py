@@ -55,12 +55,12 @@ def match(
     The roots are a pair, and so are nodes that existed before the trees diverged, or that both have
     by the same edits in one place. Pairs of an earlier merge are kept, and the ids of a tree read
     from a file without a log are trusted. Other ids pair if both trees first assigned them to the
-    same label. Labels pair regardless of case, spaces and invisible characters. Children of paired
-    parents come first, for both, since trees that were grown separately number their ids
-    separately; elsewhere only leaf pairs with leaf and branch with branch. The remaining nodes pair
-    by meaning: leaf with leaf and branch with branch, if each is the other's nearest and the centred
-    cosine reaches the threshold. The meaning of a leaf is its label; the meaning of a branch is half
-    its label and half the leaves below it.
+    same label, and neither has narrowed it since. Labels pair regardless of case, spaces and
+    invisible characters. Children of paired parents come first, for both, since trees that were
+    grown separately number their ids separately; elsewhere only leaf pairs with leaf and branch with
+    branch. The remaining nodes pair by meaning: leaf with leaf and branch with branch, if each is the
+    other's nearest and the centred cosine reaches the threshold. The meaning of a leaf is its label;
+    the meaning of a branch is half its label and half the leaves below it.
 
     A node below Environmental never pairs with one below Interactional, except if both logs begin
     alike, the node existed at that point, and it was moved later.
@@ -208,7 +208,7 @@ class _ByIdAndLabel:
         self._first, self._second, self._pairs = first, second, pairs
         self._words = {node.id: same_words(node.label) for node in first.nodes}
         self._same_ids: set[str] = set()
-        """Ids that both trees gave to the same label."""
+        """Ids that both trees gave to the same label, and neither has narrowed since."""
         self._children: dict[tuple[str, str], list[str]] = defaultdict(list)
         """Ids in the second tree by words and parent, the first one last."""
         self._anywhere: dict[tuple[str, str, bool], list[str]] = defaultdict(list)
@@ -228,6 +228,7 @@ class _ByIdAndLabel:
                 self._pairs.add(node_id, node_id, "id")
             elif len({same_words(edit.label or "") for edit in both}) == 1:
                 self._same_ids.add(node_id)
+        self._same_ids -= _narrowed(self._first) | _narrowed(self._second)
         self._pair(self._by_id_below)
         self._pair(self._by_id_below, self._by_label_below)
         for are_leaves in (False, True):
@@ -290,6 +291,17 @@ def _first_adds(tree: "ScenarioTree") -> Mapping[str, TreeEdit]:
         if edit.op == "add":
             adds.setdefault(edit.node, edit)
     return adds
+
+
+def _narrowed(tree: "ScenarioTree") -> set[str]:
+    """Return the nodes that stand for less than when they were added."""
+    log = decisions(tree)
+    return {
+        node.id
+        for node in tree.nodes
+        if any(edit.op == "narrow" for edit in log[node.id])
+        and same_words(node.label) != same_words(log[node.id][0].label or "")
+    }
 
 
 def _pair_by_meaning(

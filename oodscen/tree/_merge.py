@@ -39,9 +39,9 @@ def merge(
     path itself. Siblings whose labels have the same words become one. Each of these edits has the
     name of the second tree as its `origin`: `undo(round=3, origin=...)` undoes its round 3.
 
-    Every path of either tree remains a path: if a leaf of one is a family of the other, the family
-    gets a leaf with that label. Merging the second tree again changes nothing. The result depends
-    on the arguments alone.
+    Every path of either tree remains a path, with the first tree's labels for the nodes of both: if a
+    leaf of one is a family of the other, the family gets a leaf with that label. Merging the second
+    tree again changes nothing. The result depends on the arguments alone.
 
     Raises:
         DataError: If a node would lie too deep.

@@ -272,8 +272,8 @@ class ScenarioTree:
     ) -> "ScenarioTree":
         """Return this tree, with the nodes that only another one has added in their places.
 
-        The log of this tree stays as it is. Every path of either tree remains a path, and merging
-        the same tree again changes nothing.
+        The log of this tree stays as it is. Every path of either tree remains a path, with this tree's
+        labels for the nodes of both, and merging the same tree again changes nothing.
 
         Args:
             other: The tree to merge in.

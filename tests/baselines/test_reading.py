@@ -172,7 +172,7 @@ def test_csv_of_any_texts_is_read_as_it_was_written(tmp_path_factory, rows, end)
         ("\nwords\nA deer.\n", "line 2", "no column 'text'"),
         ("words\n", "line 1", "no column 'text'"),
         ("id,text\n1,one\n2\n", "line 3", "no field 'text'"),
-        (f"text\nA deer.\n{'x' * 200_000}\n", "line 3", "more than 131,072 characters"),
+        (f"text\nA deer.\n{'x' * 1_000_001}\n", "line 3", "more than 1,000,000 characters"),
     ],
 )
 def test_a_faulty_csv_is_refused_with_its_line(tmp_path, content, line, said):
@@ -194,7 +194,13 @@ def test_blank_rows_of_a_csv_are_skipped(tmp_path_factory, rows, before):
 
 
 @pytest.mark.parametrize("name", ["t.txt", "t"])
-@pytest.mark.parametrize("line", ["[Night] A deer stands.", "[1] A deer stands.", "[A deer]"])
+@pytest.mark.parametrize(
+    "line",
+    [
+        *("[Night] A deer stands.", "[1] A deer stands.", "[A deer]"),
+        *("{deer} on the road", "{ a deer } jumps", "{1}", "[{tag}] A deer."),
+    ],
+)
 def test_a_text_may_begin_with_a_bracket(tmp_path, name, line):
     (tmp_path / name).write_text(f"{line}\nA sofa.\n")
     assert [record.text for record in read_records(tmp_path / name)] == [line, "A sofa."]
@@ -272,3 +278,29 @@ def test_one_json_value_is_no_list_of_texts(tmp_path, content):
     (tmp_path / "a.json").write_text(content)
     with pytest.raises(DataError, match="no list of texts"):
         read_records(tmp_path / "a.json")
+
+
+@pytest.mark.parametrize("line", ["{'text': 'A deer.'}", "{text: A deer.}", "{}", '{"text"', "{"])
+def test_what_was_meant_as_an_object_is_no_text(tmp_path, line):
+    (tmp_path / "t.txt").write_text(line)
+    with pytest.raises(DataError):
+        read_records(tmp_path / "t.txt")
+
+
+@pytest.mark.parametrize("line", ["foo", '{"text" "A deer."}', '{"text": "A'])
+def test_a_fault_of_a_json_line_names_its_line_alone(tmp_path, line):
+    (tmp_path / "a.jsonl").write_text(f'"A deer."\n{line}\n')
+    with pytest.raises(DataError) as caught:
+        read_records(tmp_path / "a.jsonl")
+    (issue,) = caught.value.issues
+    assert issue.path == "line 2"
+    assert "line" not in issue.message
+    assert " at column " in issue.message
+
+
+def test_a_csv_takes_texts_as_long_as_any_other_form_and_leaves_the_limit_of_the_process(tmp_path):
+    before = csv.field_size_limit()
+    (tmp_path / "t.csv").write_text(f"text\n{'x' * 1_000_000}\n")
+    (record,) = read_records(tmp_path / "t.csv")
+    assert len(record.text) == 1_000_000
+    assert csv.field_size_limit() == before

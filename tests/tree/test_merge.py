@@ -502,6 +502,31 @@ def test_a_family_that_was_left_out_is_added_when_it_brings_a_leaf():
     assert merge(again, more) == again
 
 
+def test_a_node_that_one_tree_has_narrowed_is_not_the_others():
+    one = plain(("environmental", "Snow"))
+    other = one.apply(TreeEdit(op="narrow", node="snow", label="Snow on a bridge"))
+    assert [leaf.label for leaf in merge(one, other).leaves] == ["Snow"]
+    alone = ScenarioTree.initial().apply(
+        TreeEdit(op="add", node="snow", parent="environmental", label="Snow", round=1),
+        TreeEdit(op="narrow", node="snow", label="Snow on a bridge", round=2),
+    )
+    again = alone.apply(TreeEdit(op="broaden", node="snow", label="Snow", round=3))
+    for first, second in ((one, alone), (alone, one)):
+        merged = merge(first, second)
+        assert {leaf.label for leaf in merged.leaves} == {"Snow", "Snow on a bridge"}
+        assert merge(merged, second) == merged
+    assert merge(one, again).nodes == one.nodes
+
+
+@given(steps, steps, st.sampled_from([None, ENCODER]))
+def test_the_label_of_every_leaf_of_the_second_tree_is_in_the_merge_or_its_log(one, other, encoder):
+    one, other = numbered(one), numbered(other)
+    merged = merge(one, other, encoder=encoder, threshold=0.3)
+    words = {same_words(node.label) for node in merged.nodes}
+    told = words | {same_words(edit.label or "") for edit in merged.edits}
+    assert {same_words(leaf.label) for leaf in other.leaves} <= told
+
+
 grown_alone = st.lists(st.tuples(st.integers(0, 30), st.sampled_from(WORDS)), max_size=12)
 
 

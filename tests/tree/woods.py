@@ -120,7 +120,9 @@ trees = st.builds(regretted, changes, st.lists(st.integers(-4, 12), max_size=3))
 WORDS = ("Fog", "Ice", "Snow", "fog", "Deer")
 steps = st.lists(
     st.tuples(
-        st.sampled_from(["add", "add", "add", "add", "broaden", "keep", "move", "remove", "undo"]),
+        st.sampled_from(
+            ["add", "add", "add", "add", "broaden", "narrow", "keep", "move", "remove", "undo"]
+        ),
         st.integers(0, 30),
         st.integers(0, 30),
         st.sampled_from(WORDS),
@@ -144,7 +146,7 @@ def numbered(steps, tree=None):
             edit = {"op": op, "node": tree.new_id(label) if op == "add" else node}
             if op in ("add", "move"):
                 edit["parent"] = parent
-            if op in ("add", "broaden"):
+            if op in ("add", "broaden", "narrow"):
                 edit["label"] = label
             tree = tree.apply(TreeEdit(**edit, round=number % 3))
     return tree

@@ -9,7 +9,7 @@ from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._meshes.mesh import Lamp
 from oodscen_pybullet._rendering.plate import GRID_AHEAD, GRID_ASIDE, GRID_CELL_M
 from oodscen_pybullet._rendering.view import CameraView
-from oodscen_pybullet._types import F32, Point
+from oodscen_pybullet._types import F32
 
 _DARK_ENOUGH = 0.3
 """Darkness from which lamps light the ground."""
@@ -27,10 +27,12 @@ _ROUND_LIGHT, _ROUND_FALL = 0.16, np.float32(0.4)
 """Light of any other lamp per power, and its fall, 1/m^2."""
 _BACKWARDS_M = np.float32(-0.3)
 """Reach of a directional lamp without a cone behind itself, m, negative."""
+_STEEP = 0.1
+"""Level part of a lamp's direction up to which it looks straight up or down, and shines all round."""
 _ZERO, _ONE = np.float32(0.0), np.float32(1.0)
 
 _Facing = tuple[float, float]
-"""Components of a lamp's direction to the camera's right and forward; (0, 0) shines in all directions."""
+"""A lamp's direction seen from above, to the camera's right and forward, of length 1; (0, 0) shines all round."""
 
 
 def ground_light(view: CameraView, lamps: Sequence[Lamp], light: Light) -> F32 | None:
@@ -49,12 +51,13 @@ def ground_light(view: CameraView, lamps: Sequence[Lamp], light: Light) -> F32 |
     if dark < _DARK_ENOUGH:
         return None
     grid = np.zeros((GRID_AHEAD, GRID_ASIDE, 3), np.float32)
-    reaches = [_add_pool(grid, view, lamp, np.float32(dark)) for lamp in lamps]
-    return grid if any(reaches) else None
+    for lamp in lamps:
+        _add_pool(grid, view, lamp, np.float32(dark))
+    return grid if grid.any() else None
 
 
-def _add_pool(grid: F32, view: CameraView, lamp: Lamp, dark: np.float32) -> bool:
-    """Add a lamp's light to the grid; return whether it reaches it.
+def _add_pool(grid: F32, view: CameraView, lamp: Lamp, dark: np.float32) -> None:
+    """Add a lamp's light to the grid.
 
     Args:
         grid: [GRID_AHEAD, GRID_ASIDE, 3], changed in place.
@@ -63,12 +66,12 @@ def _add_pool(grid: F32, view: CameraView, lamp: Lamp, dark: np.float32) -> bool
         dark: Darkness of the scene, 0 to 1.
     """
     aside, _, ahead = view.to_camera(lamp.position)
-    facing = (_dot(lamp.facing, view.right), _dot(lamp.facing, view.forward))
+    facing = _facing(view, lamp)
     reach = _reach(lamp, facing)
     rows = _cells(ahead, reach, 0.0, GRID_AHEAD)
     columns = _cells(aside, reach, GRID_ASIDE / 2, GRID_ASIDE)
     if not (rows and columns):
-        return False
+        return
     cell = np.float32(GRID_CELL_M)
     y = (np.array(rows, np.float32) * cell - np.float32(ahead))[:, None]
     x = np.array(columns, np.float32) - np.float32(GRID_ASIDE / 2)
@@ -77,7 +80,17 @@ def _add_pool(grid: F32, view: CameraView, lamp: Lamp, dark: np.float32) -> bool
     pool = _pool(lamp, facing, x, y) * (rim * dark)
     part = grid[rows.start : rows.stop, columns.start : columns.stop]
     part += pool[..., None] * np.array(lamp.colour, np.float32)
-    return True
+
+
+def _facing(view: CameraView, lamp: Lamp) -> _Facing:
+    """Return where a lamp shines; neither its own tilt nor the camera's shortens the way."""
+    x, y, _ = lamp.facing
+    if x * x + y * y <= _STEEP * _STEEP:
+        return (0.0, 0.0)
+    right = x * view.right[0] + y * view.right[1]
+    forward = x * view.forward[0] + y * view.forward[1]
+    length = math.sqrt(right * right + forward * forward) or 1.0
+    return (right / length, forward / length)
 
 
 def _has_cone(lamp: Lamp, facing: _Facing) -> bool:
@@ -115,7 +128,3 @@ def _pool(lamp: Lamp, facing: _Facing, x: F32, y: F32) -> F32:
     pool = np.float32(_ROUND_LIGHT * lamp.power) / (_ONE + square * _ROUND_FALL)
     is_lit = along > _BACKWARDS_M if facing != (0.0, 0.0) else True
     return np.asarray(pool * is_lit)
-
-
-def _dot(one: Point, two: Point) -> float:
-    return sum(a * b for a, b in zip(one, two, strict=True))

@@ -6,7 +6,7 @@ from oodscen_highway import HighwaySimulator
 from oodscen_highway._catalogue import _DRIVEN, load_catalogue
 
 from oodscen import make_catalogue
-from oodscen.data import Actor, Behaviour, Placement
+from oodscen.data import Actor, Behaviour, Placement, Trigger
 from oodscen.driving._roads.building import load_corridor
 from oodscen.protocols import Control
 from oodscen.testing import simulator_checks
@@ -58,17 +58,71 @@ def test_the_ego_never_reverses_and_a_restored_run_repeats(
         assert runs[0] == runs[1]
 
 
-@pytest.mark.parametrize("friction", [1.0, 0.1])
-def test_a_driver_that_halts_stands_for_the_pause_and_goes_on_even_on_ice(friction) -> None:
-    halt = Behaviour(name="halt", parameters={"speed": 8.0, "deceleration": 4.0, "pause": 2.0})
-    actor = Actor(id="a", asset="car", placement=Placement(ahead_m=60.0), behaviour=halt)
-    scene = sample_scene(CATALOGUE.map("urban_avenue"), (actor,))
+def runs(*actors, seconds, friction=1.0):
+    """Return the states of a scene in which the ego stands."""
+    scene = sample_scene(CATALOGUE.map("urban_avenue"), actors)
     weather = scene.weather.model_copy(update={"friction": friction})
     ego = scene.ego.model_copy(update={"speed": 0.0})
     with HighwaySimulator() as simulator:
         simulator.reset(scene.model_copy(update={"weather": weather, "ego": ego}), 0)
-        speeds = [simulator.step(Control()).speeds[1] for _ in range(300)]
-    assert 1.9 < simulator.dt * sum(speed < 0.1 for speed in speeds) < 2.3
+        steps = round(seconds / simulator.dt)
+        return [simulator.state(), *(simulator.step(Control()) for _ in range(steps))]
+
+
+@settings(max_examples=15, deadline=None)
+@given(
+    kind=st.sampled_from([("cross_road", "adult"), ("bolt", "deer"), ("dart", "child")]),
+    speed=st.floats(1.0, 10.0),
+    distance=st.floats(0.5, 15.0),
+    friction=st.floats(0.1, 1.0),
+)
+def test_a_body_goes_its_distance_and_stops_there_on_ice_too(kind, speed, distance, friction):
+    behaviour = Behaviour(name=kind[0], parameters={"speed": speed, "distance": distance})
+    placement = Placement(ahead_m=30.0, offset_m=-4.0, heading_deg=90.0)
+    actor = Actor(id="a", asset=kind[1], placement=placement, behaviour=behaviour)
+    states = runs(actor, seconds=1.0 + distance / speed + speed / friction, friction=friction)
+    start, end = states[0].poses[1], states[-1].poses[1]
+    assert np.hypot(*(end - start)[:2]) == pytest.approx(distance, abs=1e-5)
+    assert states[-1].speeds[1] == 0.0
+
+
+def test_a_driver_who_cuts_out_does_not_brake_for_what_it_hides() -> None:
+    cuts_out = Behaviour(name="cut_out", trigger=Trigger(value=4.0), parameters={"speed": 12.0})
+    hides = Actor(id="a", asset="car", placement=Placement(ahead_m=30.0), behaviour=cuts_out)
+    hidden = Actor(id="b", asset="car", placement=Placement(ahead_m=90.0))
+    states = runs(hides, hidden, seconds=8.0)
+    assert min(state.speeds[1] for state in states) > 11.5
+    slow = Behaviour(name="follow_lane", parameters={"speed": 4.0})
+    states = runs(hides, hidden.model_copy(update={"behaviour": slow}), seconds=4.0)
+    assert min(state.speeds[1] for state in states) < 11.0
+
+
+@pytest.mark.parametrize(
+    ("duration", "friction", "least", "most"),
+    [
+        (0.5, 1.0, 1.2, 1.6),
+        (1.5, 1.0, 1.2, 1.6),
+        (2.0, 1.0, 1.8, 2.2),
+        (4.0, 1.0, 3.7, 4.2),
+        (0.5, 0.3, 2.4, 3.0),
+    ],
+)
+def test_a_lane_change_takes_its_duration_or_what_the_tyres_need(duration, friction, least, most):
+    cuts_in = Behaviour(name="cut_in", parameters={"speed": 12.0, "duration": duration})
+    actor = Actor(id="a", asset="car", placement=Placement(ahead_m=30.0), behaviour=cuts_in)
+    states = runs(actor, seconds=10.0, friction=friction)
+    way = np.array([state.poses[1, 1] for state in states])
+    share = (way - way[0]) / (way[-1] - way[0])
+    assert least < 0.05 * ((share > 0.95).argmax() - (share > 0.05).argmax()) < most
+    assert np.abs(np.diff(way, 2)).max() < 9.0 * friction * 0.05**2
+
+
+@pytest.mark.parametrize("friction", [1.0, 0.1])
+def test_a_driver_that_halts_stands_for_the_pause_and_goes_on_even_on_ice(friction) -> None:
+    halt = Behaviour(name="halt", parameters={"speed": 8.0, "deceleration": 4.0, "pause": 2.0})
+    actor = Actor(id="a", asset="car", placement=Placement(ahead_m=60.0), behaviour=halt)
+    speeds = [state.speeds[1] for state in runs(actor, seconds=15.0, friction=friction)[1:]]
+    assert 1.9 < 0.05 * sum(speed < 0.1 for speed in speeds) < 2.3
     assert speeds[-1] > 1.0
 
 

@@ -49,3 +49,39 @@ def test_a_headlamp_outside_the_grid_fades_in(start: float, step: float, facing:
     assert brightest[0] > 0.1
     assert brightest[-1] == 0.0
     assert np.abs(np.diff(brightest)).max() < 0.02
+
+
+@given(st.floats(-20.0, 45.0), st.floats(0.0, 80.0), st.floats(0.0, 360.0))
+def test_neither_the_tilt_of_a_lamp_nor_that_of_a_camera_dims_it(
+    pitch_deg: float, tilt_deg: float, turn_deg: float
+) -> None:
+    place, (tilt, turn) = (30.0, 0.0, 1.3), np.radians((tilt_deg, turn_deg))
+    level = (float(np.cos(turn)), float(np.sin(turn)), 0.0)
+    tilted = (level[0] * float(np.cos(tilt)), level[1] * float(np.cos(tilt)), -float(np.sin(tilt)))
+    pitched = CameraView.of(
+        Camera(width=160, height=120, z=1.3, pitch_deg=pitch_deg), (0.0, 0.0, 0.0, 0.0)
+    )
+    brightest = []
+    for view, facing in ((VIEW, level), (VIEW, tilted), (pitched, tilted)):
+        grid = ground_light(view, [Lamp(place, (1.0, 1.0, 1.0), facing, 4.0)], NIGHT)
+        assert grid is not None
+        brightest.append(float(grid.max()))
+    assert brightest[1] == pytest.approx(brightest[0], rel=1e-4)
+    assert brightest[2] == pytest.approx(brightest[0], rel=0.25)  # The cells lie elsewhere.
+
+
+@pytest.mark.parametrize("pitch_deg", [0.0, 0.001, 2.0, 30.0])
+@pytest.mark.parametrize("facing", [(0.0, 0.0, -1.0), (0.0, 0.0, 1.0), (1e-17, 0.01, -1.0)])
+def test_a_lamp_straight_up_or_down_shines_all_round(pitch_deg, facing) -> None:
+    view = CameraView.of(Camera(width=160, height=120, pitch_deg=pitch_deg), (0.0, 0.0, 0.0, 0.0))
+    white, place = (1.0, 1.0, 1.0), (20.0, 0.0, 0.7)
+    grid = ground_light(view, [Lamp(place, white, facing, 4.0)], NIGHT)
+    bare = ground_light(view, [Lamp(place, white, (0.0, 0.0, 0.0), 4.0)], NIGHT)
+    assert grid is not None
+    assert (grid == bare).all()
+
+
+def test_lamps_that_light_nothing_in_front_of_the_camera_give_no_grid() -> None:
+    behind = Lamp((-3.0, 0.0, 0.7), (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), 1.0)
+    assert ground_light(VIEW, [behind], NIGHT) is None
+    assert ground_light(VIEW, [], NIGHT) is None
