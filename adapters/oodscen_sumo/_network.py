@@ -13,8 +13,13 @@ from oodscen._text import one_line
 from oodscen.driving._roads.building import read_map
 from oodscen.errors import MissingExtra, SimulatorError
 
-_OPTIONS = ("--offset.disable-normalization", "true")
-"""netconvert's options: coordinates stay as in the file."""
+UNKNOWN_LANES = ("slipLane", "connectingRamp", "bus", "taxi", "HOV")
+"""Types of driving lanes that netconvert would leave out."""
+_OPTIONS = ("--offset.disable-normalization", "true", "--no-turnarounds", "true")
+"""netconvert's options: coordinates stay as in the file, and nobody turns back where a road ends."""
+_TYPES = "<types>{}</types>"
+_TYPE = '<type id="{}" priority="1" speed="13.89"/>'
+"""A kind of lane in netconvert's terms; the speed does not bind the drivers."""
 _LONGEST_REASON = 500
 _TIMEOUT_S = 600.0
 """Time after which netconvert is ended, s."""
@@ -46,6 +51,10 @@ class Networks:
         self._folder = mkdtemp(prefix="oodscen-sumo-")
         self.close = weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
         """Deletes the folder."""
+        types = Path(self._folder) / "lanes.typ.xml"
+        types.write_text(_TYPES.format("".join(map(_TYPE.format, UNKNOWN_LANES))))
+        self._types = f"{programs}/../data/typemap/opendriveNetconvert.typ.xml,{types}"
+        """Files of the kinds of lanes that netconvert makes: its own, and those that it would leave out."""
         self._files: dict[bytes, Path] = {}
         """The networks by the content of their maps."""
 
@@ -67,7 +76,7 @@ class Networks:
         source = network.with_suffix(".xodr")
         source.write_bytes(content)
         files = ["--opendrive-files", str(source), "-o", str(network)]
-        command = [self._netconvert, *files, *_OPTIONS]
+        command = [self._netconvert, *files, "--type-files", self._types, *_OPTIONS]
         try:
             process = subprocess.run(command, capture_output=True, check=False, timeout=_TIMEOUT_S)
         except OSError as error:

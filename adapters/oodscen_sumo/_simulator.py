@@ -45,6 +45,12 @@ _STANDING_MPS = 0.1
 """Speed up to which SUMO counts a vehicle as halting, m/s."""
 
 
+_INTERNAL = ":"
+"""First letter of the ids of edges between others."""
+_END_M = 1.0
+"""Distance from the end of the ego's road at which the edge is looked up that drivers make for, m."""
+
+
 class FrontBumper(NamedTuple):
     """A place as SUMO gives it: the middle of the front bumper, and the compass direction."""
 
@@ -103,6 +109,10 @@ class LanePlace(NamedTuple):
         """Return the lane's heading, rad."""
         return self._middle(sumo, self.lane)[1]
 
+    def width(self, sumo: Any) -> float:
+        """Return the lane's width, m."""
+        return float(sumo.lane.getWidth(f"{self.edge}_{self.lane}"))
+
     def shift(self, sumo: Any) -> tuple[float, float, float]:
         """Return how far a vehicle is from where SUMO has it: x and y, m, and yaw, rad."""
         beside = self.lane + (1 if self.left_m > 0.0 else -1)
@@ -110,8 +120,8 @@ class LanePlace(NamedTuple):
             return 0.0, 0.0, 0.0
         (x, y), heading = self._middle(sumo, self.lane)
         (x_beside, y_beside), heading_beside = self._middle(sumo, beside)
-        widths = [sumo.lane.getWidth(f"{self.edge}_{lane}") for lane in (self.lane, beside)]
-        way = min(abs(self.left_m) / (0.5 * sum(widths)), 1.0)
+        width = 0.5 * (self.width(sumo) + self._replace(lane=beside).width(sumo))
+        way = min(abs(self.left_m) / width, 1.0)
         part = 0.5 - 0.5 * math.cos(math.pi * way)  # It begins and ends gently.
         cos, sin = math.cos(heading), math.sin(heading)
         ahead_m = part * ((x_beside - x) * cos + (y_beside - y) * sin)
@@ -148,6 +158,8 @@ class SumoSimulator(DynamicSimulator):
         """Maximum braking on the road of the scene, m/s^2."""
         self._present: set[str] = set()
         """Ids of the bodies on SUMO's network."""
+        self._edges: dict[str, str] = {}
+        """Edges on which the drivers were in the step before."""
         self._pause_begins: dict[str, float] = {}
         """Times at which drivers that halt begin to stand, s after their triggers."""
 
@@ -193,7 +205,7 @@ class SumoSimulator(DynamicSimulator):
         scene = staged.scene.model_copy(update={"actors": guided})
         self._guided = KinematicWorld(staged.corridor, scene, staged.catalogue, seed, dt=self.dt)
         self._rows = {name: row for row, name in enumerate(staged.ids)}
-        self._pause_begins = {}
+        self._edges, self._pause_begins = {}, {}
         self._poses = np.array([body.pose for body in staged.bodies])[:, [0, 1, 3]]
         self._speeds = np.array([body.speed for body in staged.bodies])
         self._grip = GRIP_MPS2 * scene.weather.friction
@@ -277,16 +289,30 @@ class SumoSimulator(DynamicSimulator):
         deceleration = min(deceleration, self._grip)
         types.setEmergencyDecel(name, deceleration)
         types.setDecel(name, min(_BRAKING_MPS2, deceleration))
-        self._sumo.route.add(name, [self._sumo.simulation.convertRoad(x, y)[0]])
+        self._sumo.route.add(name, self._route(body))
         vehicles.add(name, name, name, departPos="0")
         vehicles.setLaneChangeMode(name, 0)
         vehicles.setSpeedMode(name, _ALL_CHECKS if body.behaviour in DRIVEN else _NO_CHECKS)
         vehicles.setParameter(name, "laneChangeModel.lcAccelLat", _LATERAL_ACCELERATION)
         if body.behaviour in DRIVEN:
             front = FrontBumper.of(x, y, yaw, length=body.asset.length)
-            shift = LanePlace.at(self._sumo, front.x, front.y).shift(self._sumo)
-            x, y, yaw = np.subtract((x, y, yaw), shift).tolist()
+            place = LanePlace.at(self._sumo, front.x, front.y)
+            # SUMO itself would fault, and end the process.
+            if abs(place.left_m) >= 0.5 * (place.width(self._sumo) + body.asset.width):
+                raise SpawnError(name, body.asset.id, body.pose, "SUMO has no lane there")
+            x, y, yaw = np.subtract((x, y, yaw), place.shift(self._sumo)).tolist()
         self._put(body, (x, y, yaw))
+
+    def _route(self, body: StagedScene.Body) -> list[str]:
+        """Return the edges from a body's start to the end of the ego's road in its direction of travel."""
+        road, simulation = self.staged.corridor, self._sumo.simulation
+        start = simulation.convertRoad(*body.pose[:2])[0]
+        if body.behaviour not in DRIVEN:
+            return [start]
+        end_s = road.length - _END_M if body.direction > 0 else _END_M
+        x, y, *_ = road.point(end_s, road.centre(body.lane, end_s))
+        edges = simulation.findRoute(start, simulation.convertRoad(x, y)[0]).edges
+        return list(edges) or [start]
 
     def _is_turned(self, body: StagedScene.Body) -> bool:
         """Return whether a driver's lane in SUMO runs against the driver, whom SUMO would turn round."""
@@ -303,11 +329,17 @@ class SumoSimulator(DynamicSimulator):
     def _speed(self, body: StagedScene.Body, moved: NDArray[np.float64]) -> float:
         """Return a driver's speed from its motion in the step: x and y, m.
 
-        SUMO's own speed is that along the lane's middle, on which a lane's length is not quite that of its road.
+        SUMO's own speed is that along the lane's middle, on which a lane's length is not quite that of its road. It
+        counts at the joint of two edges, where SUMO's way is 0.1 m longer than the road.
         """
         vehicles, (_, _, yaw) = self._sumo.vehicle, self._poses[self._rows[body.id]]
-        if body.id not in self._present or vehicles.getSpeed(body.id) == 0.0:
+        if body.id not in self._present:
             return 0.0
+        edge, speed = vehicles.getRoadID(body.id), float(vehicles.getSpeed(body.id))
+        before = self._edges.get(body.id, edge)
+        self._edges[body.id] = edge
+        if speed == 0.0 or edge != before or edge.startswith(_INTERNAL):
+            return speed
         mean = (moved[0] * math.cos(yaw) + moved[1] * math.sin(yaw)) / self.dt
         return float(mean) + 0.5 * self.dt * float(vehicles.getAcceleration(body.id))
 

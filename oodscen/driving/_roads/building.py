@@ -233,7 +233,7 @@ def _sampled(network: Network, legs: Sequence[Leg], index: int, start_m: float) 
         curvature=curvature,
         strips=tuple(strips),
         start=start,
-        speed_limit=legs[index].road.speed_limit or _DEFAULT_SPEED_LIMIT,
+        speed_limit=legs[index].road.speed_limit(start_m) or _DEFAULT_SPEED_LIMIT,
         keeps_left=legs[index].road.left_hand,
         in_junction=in_junction,
         structures=structures_of(tracks, begins[:-1]),

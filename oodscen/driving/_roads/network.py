@@ -112,8 +112,8 @@ class Road:
     elevation: tuple[Cubic, ...]
     lane_offset: tuple[Cubic, ...]
     sections: tuple[LaneSection, ...]
-    speed_limit: float | None
-    """Speed limit, m/s; `None` if the file gives none."""
+    speed_limits: tuple[tuple[float, float | None], ...]
+    """s from which each speed limit holds, and the limit, m/s; `None` where the file gives none."""
     junction: str = ""
     """Id of the junction that contains this road; empty for an ordinary road."""
     predecessor: RoadLink | None = None
@@ -121,6 +121,10 @@ class Road:
     signals: tuple[Signal, ...] = ()
     patches: tuple[Patch, ...] = ()
     stretches: tuple[Stretch, ...] = ()
+
+    def speed_limit(self, s: float) -> float | None:
+        """Return the speed limit at `s`, m/s; `None` if the file gives none."""
+        return next((limit for start, limit in self.speed_limits[::-1] if start <= s), None)
 
 
 @dataclass(frozen=True)

@@ -119,7 +119,7 @@ class _Reader:
             sections=tuple(sections),
             predecessor=_link(node, "predecessor"),
             successor=_link(node, "successor"),
-            speed_limit=_speed(node),
+            speed_limits=_speed_limits(node),
             junction="" if junction == "-1" else junction,
             signals=read_signals(node),
             patches=read_patches(node),
@@ -227,18 +227,23 @@ def _check_range(
                 break
 
 
-def _speed(road: XmlNode) -> float | None:
-    for kind in road.all("type", by="name"):
-        speed = kind.first("speed")
-        if speed is not None and speed.get("max", "no limit") not in ("no limit", "undefined"):
-            value = speed.number("max", limit=500.0)
-            if value < 0.0:
-                speed.fault(f"{value:g} is negative", "@max")
-            unit = speed.get("unit", "m/s")
-            if unit not in _UNITS_MPS:
-                speed.fault(f"{unit[:40]!r} is none of {', '.join(_UNITS_MPS)}", "@unit")
-            return max(value, 0.0) * _UNITS_MPS.get(unit, 1.0)
-    return None
+def _speed_limits(road: XmlNode) -> tuple[tuple[float, float | None], ...]:
+    return tuple(
+        (kind.number("s", default=0.0), _speed(kind)) for kind in road.all("type", by="name")
+    )
+
+
+def _speed(kind: XmlNode) -> float | None:
+    speed = kind.first("speed")
+    if speed is None or speed.get("max", "no limit") in ("no limit", "undefined"):
+        return None
+    value = speed.number("max", limit=500.0)
+    if value < 0.0:
+        speed.fault(f"{value:g} is negative", "@max")
+    unit = speed.get("unit", "m/s")
+    if unit not in _UNITS_MPS:
+        speed.fault(f"{unit[:40]!r} is none of {', '.join(_UNITS_MPS)}", "@unit")
+    return max(value, 0.0) * _UNITS_MPS.get(unit, 1.0)
 
 
 def _link(road: XmlNode, end: str) -> RoadLink | None:

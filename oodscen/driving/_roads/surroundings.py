@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from operator import itemgetter
+from dataclasses import replace
+from operator import attrgetter, itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ _APART_M = 20.0
 _BATCH = 1024
 """Points of a road that are measured at once."""
 _SHORTEST_M = 0.1
-"""Length up to which a tunnel or bridge is ignored, m."""
+"""Length up to which a tunnel or bridge, or the gap between two, is ignored, m."""
 _LIGHTS = "1000"
 """First digits of the types of traffic lights in OpenDRIVE's own catalogue."""
 
@@ -53,23 +54,29 @@ def _batches(values: NDArray[np.float64]) -> list[NDArray[np.float64]]:
 
 
 def structures_of(tracks: Sequence[LegTrack], begins: Sequence[float]) -> tuple[Structure, ...]:
-    """Return the tunnels and bridges of a route; those that meet at a joint stay separate.
+    """Return the tunnels and bridges of a route; those of one kind that meet, as at a joint, are one.
 
     Args:
         tracks: The tracks of the route's legs.
         begins: s on the corridor where each track begins, m.
     """
-    structures = []
+    parts = []
     for track, begin in zip(tracks, begins, strict=True):
         for stretch in track.leg.road.stretches:
-            ends = [
+            start, end = sorted(
                 begin + track.from_start(min(max(road_s, 0.0), track.span))
                 for road_s in (stretch.start, stretch.end)
-            ]
-            if max(ends) - min(ends) > _SHORTEST_M:
-                start, end = round(min(ends), 6), round(max(ends), 6)
-                structures.append(Structure(stretch.kind, start, end))
-    return tuple(sorted(structures, key=lambda structure: structure.start))
+            )
+            parts.append(Structure(stretch.kind, round(start, 6), round(end, 6)))
+    structures: list[Structure] = []
+    for part in sorted(parts, key=attrgetter("kind", "start")):
+        last = structures[-1] if structures else None
+        if last and last.kind == part.kind and part.start - last.end <= _SHORTEST_M:
+            structures[-1] = replace(last, end=max(last.end, part.end))
+        else:
+            structures.append(part)
+    long_enough = [one for one in structures if one.end - one.start > _SHORTEST_M]
+    return tuple(sorted(long_enough, key=attrgetter("start")))
 
 
 def signal_in_world(road: Road, signal: Signal, corridor: Corridor) -> RoadSignal:

@@ -11,13 +11,16 @@ from oodscen_sumo._network import Networks, load_sumo
 from oodscen_sumo._simulator import FrontBumper
 
 from oodscen import make_catalogue
-from oodscen.data import Actor, Behaviour, Placement, Trigger
+from oodscen.data import Actor, Behaviour, Placement, Scene, Trigger
 from oodscen.driving._roads.building import load_corridor, read_map
+from oodscen.driving._roads.network import KINDS
 from oodscen.errors import SceneError, SimulatorError, SpawnError
-from oodscen.protocols import Control
+from oodscen.protocols import Control, State
 from oodscen.testing import simulator_checks
 from oodscen.testing._kit.samples import sample_scene
 from tests.adapters.missing import told_without
+from tests.driving import networks as opendrive
+from tests.driving.networks import lane
 from tests.needs import needs
 
 pytestmark = needs("libsumo", "sumo")
@@ -136,6 +139,77 @@ def test_a_driver_that_has_left_the_network_stands(tmp_path) -> None:
         states += [simulator.step(Control()) for _ in range(200)]
     assert np.array_equal(states[-1].poses[1], states[-2].poses[1])
     assert states[-1].speeds[1] == 0.0
+
+
+def run(simulator: SumoSimulator, scene: Scene, steps: int = 120) -> list[State]:
+    return [simulator.reset(scene, 0), *(simulator.step(Control()) for _ in range(steps))]
+
+
+@pytest.mark.parametrize("against", [False, True])
+@pytest.mark.parametrize("joint", ["sections", "roads"])
+def test_drivers_go_on_over_joints_of_sections_and_of_roads(joint, against, tmp_path) -> None:
+    lanes = {"right": lane(-1), "left": lane(1)}
+    whole = opendrive.road("1", 400.0, **lanes)
+    if joint == "sections":
+        begin, end = whole.index("<laneSection"), whole.index("</lanes>")
+        section = whole[begin:end]
+        for id in (1, -1):
+            section = section.replace("<link></link>", f'<link><{{}} id="{id}"/></link>', 1)
+        both = section.replace("{}", "successor") + section.replace("{}", "predecessor").replace(
+            's="0"', 's="130"', 1
+        )
+        parts = [whole[:begin] + both + whole[end:]]
+    else:
+        link = '<{} elementType="road" elementId="{}" contactPoint="{}"/>'
+        on = opendrive.road("1", 130.0, link=link.format("successor", 2, "start"), **lanes)
+        back = link.format("predecessor", 1, "end")
+        parts = [on, opendrive.road("2", 270.0, at=(130.0, 0.0, 0.0), link=back, **lanes)]
+    placement = Placement(ahead_m=45.0 if against else 15.0, lane=int(against))
+    driver = actor("follow_lane", speed=8.0).model_copy(update={"placement": placement})
+    found = []
+    for number, content in enumerate(([whole], parts)):
+        map_file = tmp_path / f"{number}.xodr"
+        map_file.write_bytes(opendrive.file(*content))
+        scene = sample_scene(AVENUE, (driver,)).model_copy(update={"map": str(map_file)})
+        with SumoSimulator() as simulator:
+            found.append(run(simulator, scene))
+            start_s = simulator.staged.corridor.start
+            assert start_s == pytest.approx(100.0)
+    for one, other in zip(*found, strict=True):
+        assert np.abs(one.poses - other.poses).max() < 0.15
+        assert np.abs(one.speeds - other.speeds).max() < 0.1
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if KINDS[kind] == "driving"])
+def test_drivers_drive_on_every_kind_of_driving_lane(kind, tmp_path) -> None:
+    map_file = tmp_path / "lanes.xodr"
+    map_file.write_bytes(
+        opendrive.file(opendrive.road("1", 400.0, right=lane(-1) + lane(-2, kind), left=lane(1)))
+    )
+    scene = sample_scene(AVENUE, (actor("follow_lane", speed=8.0),))
+    scene = scene.model_copy(update={"map": str(map_file)})
+    with SumoSimulator() as simulator:
+        states = run(simulator, scene, 40)
+    assert states[-1].poses[1, 0] - states[0].poses[1, 0] == pytest.approx(16.0, abs=0.1)
+
+
+@pytest.mark.parametrize("offset_m", [-2.4, -2.8, -4.0])
+def test_a_driver_beside_the_lanes_of_sumo_is_refused(offset_m, tmp_path) -> None:
+    map_file = tmp_path / "shoulder.xodr"
+    map_file.write_bytes(
+        opendrive.file(
+            opendrive.road("1", 400.0, right=lane(-1) + lane(-2, "shoulder"), left=lane(1))
+        )
+    )
+    placement = Placement(ahead_m=30.0, offset_m=offset_m)
+    driver = actor("follow_lane").model_copy(update={"placement": placement})
+    scene = sample_scene(AVENUE, (driver,)).model_copy(update={"map": str(map_file)})
+    with SumoSimulator() as simulator:
+        if offset_m > -2.5:
+            assert run(simulator, scene, 2)[-1].speeds[1] > 0.0
+        else:
+            with pytest.raises(SpawnError, match="no lane there"):
+                simulator.reset(scene, 0)
 
 
 def test_left_hand_traffic_is_refused(tmp_path) -> None:

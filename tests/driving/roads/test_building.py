@@ -8,7 +8,8 @@ from oodscen.data._catalogue import RoadMap
 from oodscen.driving._roads.building import build_corridor, find_map, load_corridor
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import DataError, UnknownComponent
-from tests.driving.networks import read_road
+from tests.driving import networks
+from tests.driving.networks import lane, read_road
 from tests.driving.staging import CATALOGUE
 
 SECTIONS = """<OpenDRIVE><road id="7" length="200" rule="{rule}"><planView>
@@ -130,3 +131,54 @@ def test_a_missing_map_names_close_matches() -> None:
 def test_unusable_maps_are_data_errors(change: dict[str, object]) -> None:
     with pytest.raises(DataError):
         load_corridor(SHIPPED_MAPS[0].model_copy(update=change))
+
+
+@pytest.mark.parametrize(("start_m", "limit"), [(0.0, 13.9), (60.0, 50 / 3.6), (150.0, 30 / 3.6)])
+@pytest.mark.parametrize("forward", [True, False])
+def test_the_speed_limit_is_the_one_where_the_ego_starts(
+    tmp_path: Path, start_m: float, limit: float, forward: bool
+) -> None:
+    kinds = (
+        '<type s="0" type="town"/><type s="50" type="town"><speed max="50" unit="km/h"/></type>'
+        '<type s="120" type="town"><speed max="30" unit="km/h"/></type>'
+    )
+    file = tmp_path / "limits.xodr"
+    file.write_bytes(
+        networks.file(networks.road("1", 200.0, left=lane(1), right=lane(-1), more=kinds))
+    )
+    road_map = SHIPPED_MAPS[0].model_copy(
+        update={"file": str(file), "start_m": start_m, "forward": forward}
+    )
+    assert load_corridor(road_map).speed_limit == pytest.approx(limit)
+
+
+@pytest.mark.parametrize("gap_m", [0.0, 0.05, 20.0])
+def test_a_tunnel_goes_on_over_the_joint_of_two_roads(tmp_path: Path, gap_m: float) -> None:
+    tunnel = '<objects><tunnel s="{}" length="60"/><bridge s="10" length="0.05"/></objects>'
+    link = '<{} elementType="road" elementId="{}" contactPoint="{}"/>'
+    roads = (
+        networks.road(
+            "1",
+            200.0,
+            right=lane(-1),
+            link=link.format("successor", 2, "start"),
+            more=tunnel.format(140.0),
+        ),
+        networks.road(
+            "2",
+            200.0,
+            at=(200.0, 0.0, 0.0),
+            right=lane(-1),
+            link=link.format("predecessor", 1, "end"),
+            more=tunnel.format(gap_m),
+        ),
+    )
+    file = tmp_path / "tunnel.xodr"
+    file.write_bytes(networks.file(*roads))
+    road_map = SHIPPED_MAPS[0].model_copy(
+        update={"file": str(file), "road": "1", "start_m": 0.0, "route": ()}
+    )
+    found = [(one.kind, one.start, one.end) for one in load_corridor(road_map).structures]
+    joined = [("tunnel", 140.0, 260.0 + gap_m)]
+    apart = [("tunnel", 140.0, 200.0), ("tunnel", 200.0 + gap_m, 260.0 + gap_m)]
+    assert found == (apart if gap_m > 1.0 else joined)

@@ -35,7 +35,7 @@ def test_reads_what_the_file_says() -> None:
     road = read_road(RURAL)
     assert road.id == "1"
     assert road.length == 1100.0
-    assert math.isclose(road.speed_limit, 80 / 3.6)
+    assert math.isclose(road.speed_limit(0.0), 80 / 3.6)
     assert [type(curve) for curve in road.curves] == [
         Line, Spiral, Arc, Spiral, Line, Spiral, Arc, Spiral, Line,
     ]  # fmt: skip
