@@ -97,6 +97,24 @@ def test_mirroring_exchanges_left_and_right() -> None:
     assert other.ordinary.lane == -1
 
 
+def test_mirroring_exchanges_defaults_and_the_ordinary_counterpart_too() -> None:
+    recipe = recipe_of(
+        "mirror",
+        behaviour="fall",
+        parameters={"lateral": [0.2, 0.4]},
+        ordinary={
+            "behaviour": "cut_in",
+            "parameters": {"speed": 7.0, "lanes": 1},
+            "state": "indicate_left",
+        },
+    )
+    other = next(found for found, lane in chosen(recipe) if lane == 2).actors[0]
+    assert other.parameters == {"lateral": (-0.4, -0.2), "spin_deg": (-60.0, -60.0)}
+    assert isinstance(other.ordinary, Counterpart)
+    assert other.ordinary.parameters == {"speed": (7.0, 7.0), "lanes": (-1.0, -1.0)}
+    assert other.ordinary.state == "indicate_right"
+
+
 def test_a_variant_goes_with_its_words() -> None:
     recipe = recipe_of("any", offset=0.0, parameters={"speed": 1.0}).model_copy(
         update={
