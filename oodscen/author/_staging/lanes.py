@@ -84,7 +84,9 @@ def with_ego_lane(
             return recipe, lane
         mirrored = tuple(map(_mirrored, recipe.actors))
         return recipe.model_copy(update={"actors": mirrored}), road.lanes - 1
-    if draw >= _OTHER_LANE_SHARE:
+    if recipe.ego_lane == "left":
+        other_lane = road.lanes - 1
+    elif draw >= _OTHER_LANE_SHARE:
         return recipe, lane
     actors = tuple(_at_the_kerb(actor, other_lane) for actor in recipe.actors)
     return recipe.model_copy(update={"actors": actors}), other_lane

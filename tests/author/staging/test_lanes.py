@@ -188,3 +188,17 @@ def test_the_choice_is_reproducible() -> None:
     rng = np.random.default_rng(3)
     again = np.random.default_rng(3)
     assert with_ego_lane(recipe, ROAD, "x", rng) == with_ego_lane(recipe, ROAD, "x", again)
+
+
+@pytest.mark.parametrize("hazard_id", ["oncoming-drift", "u-turn-across", "oncoming-spin"])
+def test_who_comes_the_other_way_on_an_avenue_starts_in_an_oncoming_lane(
+    author: BuiltinAuthor, ask, digest: CatalogueDigest, knowledge: Knowledge, hazard_id: str
+) -> None:
+    hazard = next(hazard for hazard in knowledge.hazards if hazard.id == hazard_id)
+    event = hazard.events[0].replace(" {where}", "")
+    text = f"The ego vehicle drives on an avenue with two lanes each way. {event}."
+    for scene in drafts(author, ask, digest, text)[:6]:
+        road = next(road for road in digest.maps if road.id == scene.map)
+        assert road.lanes == 2
+        (actor,) = (actor for actor in scene.actors if actor.id in scene.hazard.actors)
+        assert scene.ego.lane + actor.placement.lane >= road.lanes
