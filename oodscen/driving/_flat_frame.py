@@ -248,20 +248,21 @@ def _surface(
     codes = np.full(s.shape, _CODES["grass"], np.uint8)
     half = _HALF_MARK_M + _MARK_GROWTH * distance
     dashed = s - _DASH_PERIOD_M * np.floor(s / _DASH_PERIOD_M) < _DASH_M
+    edges: list[tuple[Floats, str, NDArray[np.bool_]]] = []
     for number, strip in enumerate(road.strips):
         right, left = strip.right[index], strip.left[index]
-        inside = (t >= right) & (t < left)
-        codes[inside] = _CODES[strip.kind]
-        edges = [(left, strip.mark)]
+        codes[(t >= right) & (t < left)] = _CODES[strip.kind]
         if number == 0:
-            edges.append((right, strip.right_mark))
-        for edge, mark in edges:
-            if mark == "none":
-                continue
-            line = (np.abs(t - edge) < half) & (left > right)
-            if mark == "broken":
-                line &= dashed
-            codes[line] = _CODES["curb" if mark == "curb" else "mark"]
+            edges.append((right, strip.right_mark, left > right))
+        edges.append((left, strip.mark, left > right))
+    # Marks lie on both strips beside them.
+    for edge, mark, exists in edges:
+        if mark == "none":
+            continue
+        line = (np.abs(t - edge) < half) & exists
+        if mark == "broken":
+            line &= dashed
+        codes[line] = _CODES["curb" if mark == "curb" else "mark"]
     return codes
 
 

@@ -123,12 +123,19 @@ def _stop_lines_and_crossings(road: "Corridor") -> Iterator[str]:
             right, left = road.extent(s)
             if not right <= t <= left or abs(t - road.centre(lane, s)) > _ASIDE_M:
                 continue
-            if kind == "stop_line" and t > road.edges(road.ego_lanes[-1], s)[1]:
+            if kind == "stop_line" and _is_for_oncoming(road, s, t):
                 continue
             ahead = s - road.start
             if 0.0 < ahead <= _REACH_M:
                 distances.add(round(ahead))
         yield from (f"{name} {ahead} m ahead" for ahead in sorted(distances))
+
+
+def _is_for_oncoming(road: "Corridor", s: float, t: float) -> bool:
+    """Return whether a place lies beyond the ego's lanes on the side of oncoming traffic."""
+    if road.keeps_left:
+        return t < road.edges(road.ego_lanes[0], s)[0]
+    return t > road.edges(road.ego_lanes[-1], s)[1]
 
 
 def _tracks(road: "Corridor") -> Iterator[str]:

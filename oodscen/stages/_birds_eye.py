@@ -142,7 +142,7 @@ def _draw_road(
         return
     for part in _runs(near):
         lines = []
-        for strip in road.strips:
+        for number, strip in enumerate(road.strips):
             edges = [
                 section.pixels(
                     road.x[part] - side[part] * road.sin[part],
@@ -153,14 +153,22 @@ def _draw_road(
             if strip.kind in _GROUND:
                 outline = np.concatenate([edges[0], edges[1][::-1]])
                 cv2.fillPoly(picture, [outline], _GROUND[strip.kind], cv2.LINE_AA, _FRACTION_BITS)
-            if strip.mark in ("solid", "broken") and has_marks:
-                exists = strip.left[part] - strip.right[part] > 0.5
-                if len(road.in_junction) == len(road.s):
-                    exists &= ~road.in_junction[part]
-                if strip.mark == "broken":
-                    along = road.s[part]
-                    exists &= along - 9.0 * np.floor(along / 9.0) < 3.0
-                lines += [edges[1][run] for run in _runs(exists)]
+            if not has_marks:
+                continue
+            exists = strip.left[part] - strip.right[part] > 0.5
+            if len(road.in_junction) == len(road.s):
+                exists &= ~road.in_junction[part]
+            along = road.s[part]
+            is_dash = along - 9.0 * np.floor(along / 9.0) < 3.0
+            # Strips share their edges: only the first one's right mark is no other's left one.
+            sides = (
+                (edges[0], strip.right_mark if number == 0 else "none"),
+                (edges[1], strip.mark),
+            )
+            for edge, mark in sides:
+                if mark in ("solid", "broken"):
+                    where = exists & is_dash if mark == "broken" else exists
+                    lines += [edge[run] for run in _runs(where)]
         marks = [line for line in lines if len(line) > 1]
         cv2.polylines(picture, marks, False, _MARK, 1, cv2.LINE_AA, _FRACTION_BITS)
 

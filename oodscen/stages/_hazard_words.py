@@ -1,7 +1,7 @@
 """The visible part of a hazard, in words: its things, their places and what they do, without their story."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from types import MappingProxyType
 
 from oodscen.data._catalogue import Asset, Catalogue
@@ -9,6 +9,9 @@ from oodscen.data._details import DetailKinds, described
 from oodscen.data._map_state import MapPart, MapState
 from oodscen.data._scene import DARK_DEG, FOG_M, Actor, Ego, Hazard, Visible, Weather
 from oodscen.driving._motion.behaviours import BUILT_IN
+from oodscen.driving._roads.building import load_corridor
+from oodscen.driving._roads.corridor import ego_strip
+from oodscen.errors import OodscenError
 
 _INSIDE_M = 1.4
 """Offset from a lane's centre up to which a thing is in that lane, m."""
@@ -74,11 +77,11 @@ def visible_of(
     """
     assets = {asset.id: asset for asset in catalogue.assets}
     kinds = catalogue.details or DetailKinds()
-    lanes = next((road.lanes for road in catalogue.maps if road.id == map_id), 1)
+    oncoming = _oncoming_lanes(ego, map_id, catalogue)
     visibles = [
         Visible(
             what=_without_article(_described(actor, assets, kinds)),
-            where=_where(actor, ego.lane, lanes),
+            where=_where(actor, oncoming),
             doing=_doing(actor, assets[actor.asset], ego.speed, kinds, motions),
         )
         for actor in actors
@@ -117,7 +120,21 @@ def _described(actor: Actor, assets: Mapping[str, Asset], kinds: DetailKinds) ->
     return described(description, actor.details.model_copy(update={"pose": ""}), assets, kinds)
 
 
-def _where(actor: Actor, ego_lane: int, lanes: int) -> str:
+def _oncoming_lanes(ego: Ego, map_id: str, catalogue: Catalogue) -> frozenset[int]:
+    """Return the lanes of oncoming traffic, counted to the left of the ego's; none of a road that cannot be read."""
+    try:
+        road = load_corridor(map_id, catalogue)
+        own = road.driving.index(ego_strip(road, ego.lane))
+    except (OodscenError, ValueError):
+        return frozenset()
+    return frozenset(
+        number - own
+        for number, strip in enumerate(road.driving)
+        if road.strips[strip].direction < 0
+    )
+
+
+def _where(actor: Actor, oncoming: Collection[int]) -> str:
     placement = actor.placement
     if placement.ahead_m < 0.0:
         return "behind the ego vehicle"
@@ -125,7 +142,7 @@ def _where(actor: Actor, ego_lane: int, lanes: int) -> str:
         return f"beside the ego's lane on the {'left' if placement.offset_m > 0.0 else 'right'}"
     if placement.lane == 0:
         return "in the ego's lane"
-    if placement.lane > 0 and ego_lane + placement.lane >= lanes:
+    if placement.lane in oncoming:
         return "in the oncoming lane"
     return f"in a lane to the {'left' if placement.lane > 0 else 'right'}"
 

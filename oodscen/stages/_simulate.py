@@ -320,10 +320,19 @@ def _follower(scene: Scene, trace: Trace, behind: Sequence[str]) -> Follower | N
     """Return the nearest of the actors behind the ego at the end of a trace."""
     if not behind:
         return None
-    row = min(map(trace.ids.index, behind), key=lambda row: float(trace["gap_m"][-1, row]))
+    row = min(map(trace.ids.index, behind), key=lambda row: _gap_behind(trace, row))
     what = next(actor.asset for actor in scene.actors if actor.id == trace.ids[row])
-    gap, speed = float(trace["gap_m"][-1, row]), float(trace["speed"][-1, row])
+    gap, speed = _gap_behind(trace, row), float(trace["speed"][-1, row])
     return Follower(gap_m=round(gap, 3), speed_mps=round(speed, 3), what=what)
+
+
+def _gap_behind(trace: Trace, row: int) -> float:
+    """Return the last gap between the ego and a body behind it, m: along the road if none was measured between them."""
+    gap = float(trace["gap_m"][-1, row])
+    if gap < np.inf:
+        return gap
+    s, length = trace["s"][-1], trace["length"][-1]
+    return max(0.0, float(s[0] - s[row] - 0.5 * (length[0] + length[row])))
 
 
 def _blind(scene: Scene, simulator: Simulator, state: State) -> list[Control]:

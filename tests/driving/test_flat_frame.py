@@ -5,10 +5,12 @@ import pytest
 
 from oodscen.data._scene import Weather
 from oodscen.driving._flat_frame import _transmittance
+from oodscen.driving._roads.building import read_map
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.protocols import Camera
 from oodscen.testing._flat import FlatSimulator
 from tests.driving.staging import actor, scene
+from tests.mirrors import mirrored, mirrored_map
 
 CAMERA = Camera(width=160, height=120, pitch_deg=0.0)
 
@@ -100,3 +102,31 @@ def test_transmittance_is_koschmieders_law() -> None:
 def test_something_at_the_bumper_is_drawn() -> None:
     frame = render(scene(actor("a", "truck", ahead=7.5)), Camera(width=64, height=48))
     assert (frame.ids == 2).mean() > 0.3
+
+
+def test_a_mirrored_scene_gives_the_mirrored_picture_and_annotations(tmp_path) -> None:
+    road = next(road for road in SHIPPED_MAPS if road.id == "urban_avenue")
+    files = [tmp_path / "plain.xodr", tmp_path / "mirrored.xodr"]
+    data = read_map(road.file)
+    for file, content in zip(files, (data, mirrored_map(data)), strict=True):
+        file.write_bytes(content)
+    plain = scene(
+        actor("a", "truck", ahead=30.0, lane=1, heading=20.0), actor("b", "cone", ahead=12.0)
+    ).model_copy(update={"map": str(files[0])})
+    drawn = []
+    for one in (plain, mirrored(plain, road.lanes, map=str(files[1]))):
+        with FlatSimulator() as simulator:
+            state = simulator.reset(one, 0)
+            frame = simulator.render(CAMERA)
+            told = one.annotate(frame, state, simulator.catalogue(), CAMERA)
+            classes = told.semantic_map(frame, state, one, simulator.catalogue(), CAMERA)
+        drawn.append((frame, classes, told.actors))
+    (frame, classes, actors), (other, other_classes, others) = drawn
+    for name in ("rgb", "ids", "depth", "tags"):
+        assert np.array_equal(getattr(frame, name), getattr(other, name)[:, ::-1]), name
+    assert np.array_equal(classes, other_classes[:, ::-1])
+    for one, twin in zip(actors, others, strict=True):
+        assert one.box is not None
+        assert twin.box is not None
+        left, top, right, bottom = twin.box
+        assert one.box == (CAMERA.width - right, top, CAMERA.width - left, bottom)

@@ -4,9 +4,10 @@ import re
 
 import pytest
 
-from oodscen.driving._roads.building import load_corridor
+from oodscen.driving._roads.building import load_corridor, read_map
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.prompts._layout import layout
+from tests.mirrors import mirrored_map
 
 STRIP = re.compile(r"([a-z ]+) (-?[\d.]+) to (-?[\d.]+)")
 
@@ -40,3 +41,13 @@ def test_bends_and_side_roads_are_where_they_are_said_to_be():
     zero = joined.centre(joined.ego_lanes[0], joined.start)
     assert joined.is_drivable(joined.start + ahead, zero - 25.0, zero - 24.0)
     assert "stop line 90 m ahead" in layout(load_corridor(roads["urban_junction"]))
+
+
+def test_stop_lines_for_oncoming_traffic_are_left_out_on_both_sides_of_the_road(tmp_path):
+    roads = {road.id: road for road in SHIPPED_MAPS}
+    road = roads["urban_junction"]
+    path = tmp_path / "mirrored.xodr"
+    path.write_bytes(mirrored_map(read_map(road.file)))
+    mirrored = road.model_copy(update={"file": str(path)})
+    told = [re.findall(r"stop line \d+ m", layout(load_corridor(one))) for one in (road, mirrored)]
+    assert told[0] == told[1] == ["stop line 90 m"]

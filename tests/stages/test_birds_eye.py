@@ -56,3 +56,28 @@ def test_the_hazard_is_amber_and_red_once_it_is_hit(flat):
     twin = scene.twin(1.0)
     picture = twin.birds_eye(flat.reset(twin, 0), flat.catalogue(), span_m=150)
     assert count(picture, AMBER) == 0
+
+
+ONE_LANE = b"""<OpenDRIVE><road id="1" length="600" junction="-1" rule="RHT">
+<planView><geometry s="0" x="0" y="0" hdg="0" length="600"><line/></geometry></planView>
+<lanes><laneSection s="0"><left/>
+<center><lane id="0" type="none"><roadMark sOffset="0" type="solid"/></lane></center>
+<right><lane id="-1" type="driving"><width sOffset="0" a="3.5" b="0" c="0" d="0"/>
+<roadMark sOffset="0" type="solid"/></lane></right></laneSection></lanes></road></OpenDRIVE>"""
+
+
+def test_the_marks_on_both_outer_edges_of_a_road_are_drawn(flat, tmp_path):
+    path = tmp_path / "own.xodr"
+    path.write_bytes(ONE_LANE)
+    scene = Scene(
+        id="a",
+        scenario_id="a",
+        map=str(path),
+        ego=Ego(speed=5.0),
+        hazard=Hazard(weather=Weather(cloud_cover=1.0)),
+        decision=Trigger(value=1.0),
+    )
+    picture = scene.birds_eye(flat.reset(scene, 0), flat.catalogue())
+    bright = np.flatnonzero((picture[100] > 190).all(axis=1))
+    assert len(bright) >= 2
+    assert bright[-1] - bright[0] == pytest.approx(3.5 * 480 / 72, abs=2)

@@ -3,12 +3,15 @@
 from oodscen_pybullet._catalogue import load_catalogue
 
 from oodscen.data._scene import Actor
+from oodscen.driving._roads.building import read_map
+from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.stages._hazard_words import visible_of
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
+from tests.mirrors import mirrored_map, swapped
 
 
-def seen(**changes):
+def seen(map=None, ego=None, **changes):
     scene = example_scene()
     (box,) = scene.actors
     place = box.placement.model_copy(update=changes)
@@ -17,8 +20,8 @@ def seen(**changes):
         actors,
         scene.hazard,
         scene.weather,
-        scene.ego,
-        scene.map,
+        ego or scene.ego,
+        map or scene.map,
         FlatSimulator().catalogue(),
     )
 
@@ -56,3 +59,29 @@ def test_poses_are_told_as_what_somebody_does_and_parts_as_what_is_seen():
         ),
         ("passenger car, painted pink, with its bonnet open", "standing still"),
     ]
+
+
+def test_lanes_of_an_own_map_and_of_left_hand_traffic_are_told_by_their_direction(tmp_path):
+    scene = example_scene()
+    one_way, avenue = (
+        next(road for road in SHIPPED_MAPS if road.id == name)
+        for name in ("urban_three_lane", "urban_avenue")
+    )
+    for road, lanes in (
+        (one_way, {1: "in a lane to the left"}),
+        (avenue, {1: "in a lane to the left", 2: "in the oncoming lane"}),
+    ):
+        plain, mirrored = tmp_path / f"{road.id}.xodr", tmp_path / f"{road.id}-mirrored.xodr"
+        plain.write_bytes(read_map(road.file))
+        mirrored.write_bytes(mirrored_map(read_map(road.file)))
+        for lane, where in lanes.items():
+            told = [
+                seen(
+                    map=str(path), ego=scene.ego.model_copy(update={"lane": ego}), lane=side * lane
+                )
+                for path, ego, side in ((plain, 0, 1), (mirrored, road.lanes - 1, -1))
+            ]
+            assert [one.where for (one,) in told] == [
+                where,
+                swapped(where),
+            ]

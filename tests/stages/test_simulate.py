@@ -255,6 +255,22 @@ def test_facts_of_the_decision_are_recorded(flat, result):
     assert 0.0 < near.gap_m < 20.0
 
 
+def test_a_follower_farther_behind_than_gaps_are_measured_has_its_gap_along_the_road(flat):
+    scene = example_scene()
+    behind = Actor(
+        id="behind",
+        asset="truck",
+        placement=Placement(ahead_m=-90.0),
+        behaviour=Behaviour(name="run_red", parameters={"speed": 25.0}),
+    )
+    decision = Trigger(kind="time", value=0.2)
+    followed = scene.model_copy(update={"actors": (*scene.actors, behind), "decision": decision})
+    episode = simulate(followed, flat, render=False, actions=["stop"]).episode
+    assert episode.followers == ("behind",)
+    assert episode.follower is not None
+    assert 75.0 < episode.follower.gap_m < 90.0
+
+
 @pytest.mark.parametrize("reaction", [(), (-0.1,), (9.0,)])
 def test_reaction_times_are_checked(flat, reaction):
     with pytest.raises(UsageError):

@@ -163,10 +163,10 @@ class Recipe(Data):
     """The moment at which the ego must choose an action."""
     horizon: Number = 8.0
     """Duration from the decision to the end, s."""
-    ego_lane: Literal["right", "any", "mirror"] = "right"
-    """Permitted starting lanes of the ego: the rightmost, any, or the leftmost with everything
-    mirrored. If the ego starts in another lane than the rightmost, roadside objects stay at the
-    roadside."""
+    ego_lane: Literal["right", "any", "left", "mirror"] = "right"
+    """Permitted starting lanes of the ego: the rightmost, any, the leftmost, so that the lane to its
+    left is an oncoming one, or the leftmost with everything mirrored. If the ego starts in another
+    lane than the rightmost, roadside objects stay at the roadside."""
     company: bool | Literal["follower"] = True
     """True if ordinary traffic may drive beside the ego, behind it or towards it; with `follower`,
     a vehicle always drives close behind."""

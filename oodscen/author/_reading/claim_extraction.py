@@ -197,6 +197,9 @@ class _ClaimReader:
             is_weather = value not in SIDES and phrases.context("weather_does").search(lead)
             if phrases.context("forbidden").search(lead) or is_weather or is_over:
                 return True
+            word_end = start + len("left")
+            if phrases.context("heads_left").search(self._text[:word_end][-_NEAR:]):
+                return True
             return self._structure.modifies_noun(end) or self._structure.is_within_noun(start)
         if value == "off":
             return False

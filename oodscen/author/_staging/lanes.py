@@ -1,12 +1,13 @@
 """The lane of the ego, and its consequences for the actors that a recipe places."""
 
 import re
+from collections.abc import Mapping
 
 import numpy as np
 
 from oodscen._text import folded_words
-from oodscen.author._knowledge.base import Counterpart, Range, Recipe, RecipeActor
-from oodscen.driving._motion.behaviours import having
+from oodscen.author._knowledge.base import Counterpart, Drawn, Range, Recipe, RecipeActor
+from oodscen.driving._motion.behaviours import BUILT_IN, having
 from oodscen.prompts._digest import MapLine
 
 _BESIDE_M = 2.0
@@ -29,6 +30,8 @@ _NAMES_SIDE = re.compile(
 )
 
 
+_SIDES = ("lanes", "lateral", "spin_deg")
+"""Parameters of behaviours whose sign is a side."""
 _OTHER_STATE = {
     "left": "right",
     "right": "left",
@@ -81,7 +84,9 @@ def with_ego_lane(
             return recipe, lane
         mirrored = tuple(map(_mirrored, recipe.actors))
         return recipe.model_copy(update={"actors": mirrored}), road.lanes - 1
-    if draw >= _OTHER_LANE_SHARE:
+    if recipe.ego_lane == "left":
+        other_lane = road.lanes - 1
+    elif draw >= _OTHER_LANE_SHARE:
         return recipe, lane
     actors = tuple(_at_the_kerb(actor, other_lane) for actor in recipe.actors)
     return recipe.model_copy(update={"actors": actors}), other_lane
@@ -122,10 +127,10 @@ def _mirrored(actor: RecipeActor) -> RecipeActor:
         "lane": tuple(-lane for lane in actor.lane),
         "offset": _negative(actor.offset),
         "heading_deg": _negative(actor.heading_deg),
-        "parameters": {
-            key: _negative(limits) if key in ("lanes", "lateral") and limits != "ego" else limits
-            for key, limits in actor.parameters.items()
-        },
+        # Values are drawn in the order of the names, which stays that of the recipe.
+        "parameters": _exchanged(
+            {**actor.parameters, **_usual_sides(actor.behaviour), **actor.parameters}
+        ),
         "spread_offset": -actor.spread_offset,
         "state": _OTHER_STATE.get(actor.state, actor.state),
     }
@@ -135,9 +140,26 @@ def _mirrored(actor: RecipeActor) -> RecipeActor:
             "lane": None if twin.lane is None else -twin.lane,
             "offset": twin.offset and _negative(twin.offset),
             "heading_deg": twin.heading_deg and _negative(twin.heading_deg),
+            "parameters": twin.parameters and _exchanged(twin.parameters),
+            "state": twin.state and _OTHER_STATE.get(twin.state, twin.state),
         }
         update["ordinary"] = twin.model_copy(update=other)
     return actor.model_copy(update=update)
+
+
+def _usual_sides(behaviour: str) -> dict[str, Drawn]:
+    """Return the defaults of a behaviour's parameters whose sign is a side."""
+    parameters = BUILT_IN[behaviour].kind.parameters if behaviour in BUILT_IN else {}
+    usual = {name: parameters[name].default for name in _SIDES if name in parameters}
+    return {name: (value, value) for name, value in usual.items()}
+
+
+def _exchanged(parameters: Mapping[str, Drawn]) -> dict[str, Drawn]:
+    """Return the parameters of a behaviour with left and right exchanged."""
+    return {
+        name: _negative(limits) if name in _SIDES and limits != "ego" else limits
+        for name, limits in parameters.items()
+    }
 
 
 def _negative(limits: Range) -> Range:

@@ -1,5 +1,6 @@
 """Reading: what the words say and nothing else, whatever the words are."""
 
+import re
 from functools import cache
 
 import pytest
@@ -14,6 +15,7 @@ from oodscen.data._claim import NUMBERS
 from oodscen.llm._ask import ask
 from oodscen.prompts._scenario.extract_claims import MOST_CLAIMS, ExtractClaims
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
+from tests.mirrors import swapped
 
 MANY = (
     "bus lorry van car tractor tram dog cat deer horse cow sofa mattress refrigerator tyre pallet barrel crate"
@@ -491,3 +493,37 @@ def test_weather_that_only_describes_a_thing_is_no_weather(weather, real, thing)
     assert not told
     told = read_claims(f"A {weather} {thing} stands ahead in {real}.")
     assert [one.value for one in told if one.kind == "weather"] == [real.replace(" ", "_")]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "An oncoming driver turns left across the ego vehicle's path",
+        "A car swerves left across the road ahead",
+        "A cyclist veers sharply left in front of the ego vehicle",
+        "A van turning left at the junction rolls on",
+        "A box lies on the left edge of the ego's lane",
+        "A dog darts out from behind a van on the left",
+    ],
+)
+def test_left_and_right_exchanged_give_the_mirrored_claims(text):
+    assert {swapped(claim) for claim in told(text)} == told(swapped(text))
+
+
+def test_events_with_left_and_right_exchanged_give_the_mirrored_claims(knowledge):
+    """Only where the words are sides, not what somebody left or what is right ahead."""
+    side = re.compile(r"\b(?:on|at|from|to) (?:the|its) (?:left|right)\b|-hand\b")
+    events = [
+        event.replace("{where}", "")
+        for hazard in knowledge.hazards
+        for event in hazard.events
+        if side.search(event) and len(re.findall("left|right", event)) == 1
+    ]
+    assert len(events) > 50
+    for event in events:
+        assert {swapped(claim) for claim in told(event)} == told(swapped(event)), event
+
+
+def test_what_was_left_somewhere_stands_still():
+    for text in ("A sofa left in the road", "A box has been left on the road"):
+        assert any(claim.endswith("motion stationary") for claim in told(text))

@@ -97,6 +97,24 @@ def test_mirroring_exchanges_left_and_right() -> None:
     assert other.ordinary.lane == -1
 
 
+def test_mirroring_exchanges_defaults_and_the_ordinary_counterpart_too() -> None:
+    recipe = recipe_of(
+        "mirror",
+        behaviour="fall",
+        parameters={"lateral": [0.2, 0.4]},
+        ordinary={
+            "behaviour": "cut_in",
+            "parameters": {"speed": 7.0, "lanes": 1},
+            "state": "indicate_left",
+        },
+    )
+    other = next(found for found, lane in chosen(recipe) if lane == 2).actors[0]
+    assert other.parameters == {"lateral": (-0.4, -0.2), "spin_deg": (-60.0, -60.0)}
+    assert isinstance(other.ordinary, Counterpart)
+    assert other.ordinary.parameters == {"speed": (7.0, 7.0), "lanes": (-1.0, -1.0)}
+    assert other.ordinary.state == "indicate_right"
+
+
 def test_a_variant_goes_with_its_words() -> None:
     recipe = recipe_of("any", offset=0.0, parameters={"speed": 1.0}).model_copy(
         update={
@@ -170,3 +188,17 @@ def test_the_choice_is_reproducible() -> None:
     rng = np.random.default_rng(3)
     again = np.random.default_rng(3)
     assert with_ego_lane(recipe, ROAD, "x", rng) == with_ego_lane(recipe, ROAD, "x", again)
+
+
+@pytest.mark.parametrize("hazard_id", ["oncoming-drift", "u-turn-across", "oncoming-spin"])
+def test_who_comes_the_other_way_on_an_avenue_starts_in_an_oncoming_lane(
+    author: BuiltinAuthor, ask, digest: CatalogueDigest, knowledge: Knowledge, hazard_id: str
+) -> None:
+    hazard = next(hazard for hazard in knowledge.hazards if hazard.id == hazard_id)
+    event = hazard.events[0].replace(" {where}", "")
+    text = f"The ego vehicle drives on an avenue with two lanes each way. {event}."
+    for scene in drafts(author, ask, digest, text)[:6]:
+        road = next(road for road in digest.maps if road.id == scene.map)
+        assert road.lanes == 2
+        (actor,) = (actor for actor in scene.actors if actor.id in scene.hazard.actors)
+        assert scene.ego.lane + actor.placement.lane >= road.lanes
