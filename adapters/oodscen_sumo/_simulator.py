@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from oodscen.data import Catalogue, Scene
 from oodscen.driving import DynamicSimulator, KinematicWorld, StagedScene
 from oodscen.driving._motion.behaviours import having
+from oodscen.driving._motion.lane_keeping import PEAK
 from oodscen.errors import Issue, SimulatorError, SpawnError
 from oodscen.protocols import Camera, Control, Frame
 from oodscen_sumo._catalogue import DRIVEN, load_catalogue
@@ -33,6 +34,10 @@ SIMULATION_OPTIONS = (
     "--collision.action=none",  # Bodies that touch move on.
     "--default.speeddev=0",
 )
+_MOVING_MPS = 0.5
+"""Least speed of the traffic that a driver minds who cuts out, m/s."""
+_AHEAD_M = 200.0
+"""Distance within which the body ahead of such a driver is looked for, m."""
 _ALL_CHECKS, _NO_CHECKS = 31, 0
 """SUMO's speed modes: drivers mind everything, and guided bodies nothing."""
 _SPEED_FACTOR = 100.0
@@ -228,7 +233,8 @@ class SumoSimulator(DynamicSimulator):
             road, parameters = self.staged.corridor, body.parameters or {}
             s, t = road.locate(*self._poses[self._rows[body.id], :2])
             offset_m = road.centre(body.goal_lane, s) - t
-            lateral_speed = _LATERAL_PEAK * abs(offset_m) / parameters["duration"]
+            gripping_s = math.sqrt(PEAK * abs(offset_m) / self._grip)
+            lateral_speed = _LATERAL_PEAK * abs(offset_m) / max(parameters["duration"], gripping_s)
             self._sumo.vehicle.setMaxSpeedLat(body.id, lateral_speed)
             self._sumo.vehicle.changeSublane(body.id, offset_m * body.direction)
 
@@ -241,6 +247,8 @@ class SumoSimulator(DynamicSimulator):
             )
         for body in self.staged.bodies[1:]:
             since_s = self.since(body.id)
+            if body.behaviour == "cut_out" and body.id in self._present:
+                self._heed(body)
             if body.id in self._present and body.behaviour in DRIVEN and since_s is not None:
                 self._drive(body, since_s)
         assert self._guided is not None
@@ -255,6 +263,13 @@ class SumoSimulator(DynamicSimulator):
                 if body.id in self._present:
                     self._poses[row] = self._pose(body)
                 self._speeds[row] = self._speed(body, self._poses[row] - before)
+
+    def _heed(self, body: StagedScene.Body) -> None:
+        """Let a driver who cuts out mind moving traffic only: it means to pass what stands."""
+        vehicles = self._sumo.vehicle
+        leader, _ = vehicles.getLeader(body.id, _AHEAD_M) or ("", 0.0)
+        stands = bool(leader) and vehicles.getSpeed(leader) < _MOVING_MPS
+        vehicles.setSpeedMode(body.id, _NO_CHECKS if stands else _ALL_CHECKS)
 
     def bodies(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return x, y and yaw of all bodies, and their speeds."""

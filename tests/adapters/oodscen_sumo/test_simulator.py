@@ -340,3 +340,35 @@ def test_the_catalogue_needs_no_sumo_and_a_run_says_how_to_get_it() -> None:
     told = told_without("libsumo", "oodscen_sumo:SumoSimulator")
     assert told == ["sumo", "libsumo"]
     assert make_catalogue("oodscen_sumo:SumoSimulator") == CATALOGUE
+
+
+def changes_lane(behaviour, duration, *, friction=1.0, obstacle=None):
+    """Return the states of 5 s in which a car at 12 m/s changes lanes at once."""
+    changing = actor(behaviour, ahead=20.0, speed=12.0, lanes=1.0, duration=duration)
+    beside = changing.model_copy(update={"placement": Placement(ahead_m=20.0, lane=0)})
+    scene = sample_scene(AVENUE, (beside, *([obstacle] if obstacle else [])))
+    wet = scene.weather.model_copy(update={"friction": friction})
+    with SumoSimulator() as simulator:
+        states = [simulator.reset(scene.model_copy(update={"weather": wet}), 0)]
+        states += [simulator.step(Control()) for _ in range(100)]
+    return states
+
+
+def test_a_driver_who_cuts_out_does_not_brake_for_what_stands_ahead() -> None:
+    standing = actor("stand").model_copy(
+        update={"id": "standing", "placement": Placement(ahead_m=75.0, lane=0)}
+    )
+    states = changes_lane("cut_out", 1.5, obstacle=standing)
+    speeds = [state.speeds[1] for state in states]
+    assert min(speeds) > 11.5
+
+
+def test_a_lane_change_takes_longer_where_the_tyres_need_it() -> None:
+    def seconds(friction: float) -> float:
+        aside = np.array(
+            [state.places[1, 1] for state in changes_lane("cut_in", 1.2, friction=friction)]
+        )
+        way = (aside - aside[0]) / (aside[-1] - aside[0])
+        return 0.05 * float(np.argmax(way > 0.95) - np.argmax(way > 0.05))
+
+    assert seconds(0.1) > 1.5 * seconds(1.0)
