@@ -4,6 +4,7 @@ import os
 import re
 import sys
 import unicodedata
+from collections.abc import Mapping
 from functools import cache, lru_cache
 from typing import Any
 
@@ -84,14 +85,31 @@ def is_name(text: str) -> bool:
 _BREAK = re.compile("[\t\n\u2028\u2029]")
 
 
+AMERICAN: Mapping[str, str] = {
+    "centre": "center",
+    "colour": "color",
+    "grey": "gray",
+    "kerb": "curb",
+    "metre": "meter",
+    "plough": "plow",
+    "tyre": "tire",
+}
+"""American spellings of British words about traffic."""
+_BRITISH = {
+    f"{american}{end}": f"{british}{end}"
+    for british, american in AMERICAN.items()
+    for end in ("", "s")
+}
+
+
 @lru_cache(maxsize=16_384)
 def stem(word: str) -> str:
-    """Return the stem that the inflections of an English word share: `blocked` and `blocking` give `block`.
+    """Return the stem that the inflections and spellings of an English word share: `block` for `blocked`.
 
     Args:
         word: A single word in lower case.
     """
-    found: str = _stemmer().stemWord(word)
+    found: str = _stemmer().stemWord(_BRITISH.get(word, word))
     return found
 
 

@@ -8,6 +8,7 @@ from functools import cache
 from importlib import resources
 from typing import Any, NamedTuple
 
+from oodscen._text import AMERICAN
 from oodscen.data._catalogue import Asset, RoadMap
 from oodscen.prompts._digest import AssetLine
 
@@ -104,13 +105,43 @@ def mentions(text: str) -> Iterator[Mention]:
     """Yield the things that a text names, in order; the longest of overlapping names wins."""
     pattern, by_form = _index()
     for match in pattern.finditer(text):
-        form = " ".join(re.split(r"[\s-]+", match.group(0).casefold()))
+        if verb := _verb_at_end(match):
+            match = pattern.fullmatch(text, match.start(), verb) or match
+        form = _form(match.group(0))
         # A pattern without case also takes letters for equal that no lower case makes equal: a dotless i.
         if form not in by_form:
             continue
         thing, is_plural, word = by_form[form]
         if thing.terms:
             yield Mention(match.start(), match.end(), thing, is_plural, word)
+
+
+def _verb_at_end(match: re.Match[str]) -> int:
+    """Return the end of the noun in a compound that is a noun and its verb, as in `a bus stops`; 0 if it is none."""
+    noun, _, last = match.group(0).rpartition(" ")
+    if not noun:
+        return 0
+    text, after = match.string, match.end()
+    if last.casefold() == "crossing":
+        is_verb = _OBJECT.match(text, after) is not None
+    elif last.casefold() in _LIKE_VERBS:
+        is_singular = _SINGULAR.search(text[: match.start()]) is not None
+        is_verb = is_singular and not _PREDICATE.match(text, after)
+    else:
+        is_verb = False
+    return match.start() + len(noun) if is_verb else 0
+
+
+_LIKE_VERBS = frozenset("stops parks lights checks controls washes".split())
+"""Plurals at the end of compound nouns, such as `bus stops`, that are verbs as well."""
+_OBJECT = re.compile(r" (?:the|an?|its|our|my|your|both|two|three|ego)\b", re.IGNORECASE)
+_SINGULAR = re.compile(
+    r"\b(?:an?|one|another|this|that)(?: [\w-]+){0,2} $"
+    r"|(?:^|[.,:;!?] |\b(?:and|but|while|when|where|as|until|because|if) )the (?:[\w-]+ ){0,2}$",
+    re.IGNORECASE,
+)
+"""Matches text before a singular noun, and before one that opens a clause."""
+_PREDICATE = re.compile(r" (?:are|were|have|had|stand|line|lie)\b", re.IGNORECASE)
 
 
 @cache
@@ -182,15 +213,28 @@ def _reaches_end(mention: Mention, phrase: str) -> bool:
 def _index() -> tuple[re.Pattern[str], dict[str, tuple[Thing, bool, str]]]:
     """Return a pattern of all names, and by form the thing, whether it is a plural, and the singular."""
     by_form: dict[str, tuple[Thing, bool, str]] = {}
-    for thing in things():
-        for word in thing.words:
-            singular = " ".join(re.split(r"[\s-]+", word.casefold()))
-            is_plural = thing.plural or singular in _PLURAL
-            by_form.setdefault(singular, (thing, is_plural, word))
-            by_form.setdefault(plural_of(singular), (thing, True, word))
+    named = [(thing, word, word) for thing in things() for word in thing.words]
+    named += [(thing, word, other) for thing, word, _ in named for other in _also_spelt(word)]
+    for thing, word, spelt in named:
+        singular = _form(spelt)
+        is_plural = thing.plural or singular in _PLURAL
+        by_form.setdefault(singular, (thing, is_plural, word))
+        by_form.setdefault(plural_of(singular), (thing, True, word))
     forms = sorted(by_form, key=lambda form: (-len(form), form))
     joined = "|".join(re.escape(form).replace(r"\ ", r"[\s-]+") for form in forms)
     return re.compile(rf"(?<![\w-])(?:{joined})(?![\w-])", re.IGNORECASE), by_form
+
+
+def _form(name: str) -> str:
+    return " ".join(re.split(r"[\s-]+", name.casefold()))
+
+
+def _also_spelt(word: str) -> Iterator[str]:
+    """Yield a name with an American word for a British one, and the other way round."""
+    for british, american in AMERICAN.items():
+        for one, other in ((british, american), (american, british)):
+            if re.search(rf"\b{one}\b", word):
+                yield re.sub(rf"\b{one}\b", other, word)
 
 
 def plural_of(word: str) -> str:

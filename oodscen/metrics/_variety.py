@@ -2,8 +2,8 @@
 
 The lexical measures need no encoder and ignore meaning:
 
-    compression_ratio   bytes of the texts, joined by line ends, over their bytes after zlib at level 9. At least
-                        about 0.5; higher is more repetitive. Shaib et al., *Standardizing the measurement
+    compression_ratio   bytes of the texts, sorted and joined by line ends, over their bytes after zlib at level 9.
+                        At least about 0.5; higher is more repetitive. Shaib et al., *Standardizing the measurement
                         of text diversity*, 2024. Grows with the size of the set.
     distinct_n          different word n-grams over all word n-grams. In (0, 1]; higher is more varied. Li et al.,
                         2016. Falls with the size of the set.
@@ -58,7 +58,7 @@ def variety(space: "BaselineSpace", texts: Sequence[str]) -> Variety:
 
 def compression_ratio(texts: Sequence[str]) -> float:
     """Return the factor by which compression shrinks a set."""
-    content = "\n".join(check_texts(texts)).encode()
+    content = "\n".join(sorted(check_texts(texts))).encode()
     return len(content) / len(zlib.compress(content, 9))
 
 

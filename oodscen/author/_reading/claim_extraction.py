@@ -1,7 +1,9 @@
 """Extraction of claims: the statements of a text about a scene, from its words alone."""
 
 import re
+import unicodedata
 
+from oodscen._text import one_line
 from oodscen.author._reading import phrases
 from oodscen.author._reading.claim_selection import CLEARING_PLACES, SIDES, consistent
 from oodscen.author._reading.clauses import Noun, Subject
@@ -17,8 +19,11 @@ _WILFUL = frozenset(
     {"oncoming", "moving", "slow", "reversing", "crossing", "from_left", "from_right"}
 )
 """Motions that inert things do not have."""
+_PLAIN = str.maketrans({"\u2019": "'", "\u2010": "-", "\u2011": "-"})
+"""Typographic apostrophes and hyphens, also those at which no line breaks, and the plain ones."""
 _LONGEST_QUOTE = 200
 """Length of the longest quote, in characters."""
+_SMALL_WORD = re.compile(r"\b(?:the|an?|of|in|on|by|with|from|and|to|its)\b", re.IGNORECASE)
 _NEAR = 40
 """Number of characters before a word in which the words that go with it are looked for."""
 _BLOCKED_WITHIN = 30
@@ -27,7 +32,8 @@ _BLOCKED_WITHIN = 30
 
 def read_claims(text: str) -> tuple[Claim, ...]:
     """Return the claims of a text: settings first, then thing by thing."""
-    return _ClaimReader(" ".join(text.replace("\u2019", "'").split())).claims()
+    plain = unicodedata.normalize("NFC", text).translate(_PLAIN)
+    return _ClaimReader(one_line(plain)).claims()
 
 
 class _ClaimReader:
@@ -129,7 +135,9 @@ class _ClaimReader:
                 if value is None:
                     continue
                 self._add(kind, value, "", start, end)
-                if kind == "own_lanes" and re.search("each|either|per", match.group(0)):
+                if kind == "own_lanes" and re.search(
+                    "each|either|per", match.group(0), re.IGNORECASE
+                ):
                     self._add("road", "two_way", "", start, end)
 
     def _read_adjectives(self, noun: Noun, subject: Subject) -> None:
@@ -145,7 +153,7 @@ class _ClaimReader:
                 if match.end() > noun.start - shift:
                     continue
                 between = phrase[match.end() : len(phrase) - (noun.end - noun.start)]
-                if re.search(r"\b(?:the|an?|of|in|on|by|with|from|and|to|its)\b", between):
+                if _SMALL_WORD.search(between):
                     continue
                 if subject.is_faint and (subject.mention.thing.vague or "," in between):
                     continue

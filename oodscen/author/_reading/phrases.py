@@ -7,6 +7,7 @@ from functools import cache
 from importlib import resources
 from typing import Any, NamedTuple
 
+from oodscen._text import AMERICAN
 from oodscen.author._reading.numbers import COUNT, NUMBER
 from oodscen.data._claim import Kind
 
@@ -36,6 +37,7 @@ _FILLINGS = {
     "{me}": rf"(?:{_EGO}|(?:it|you|my|your|our)\b)",
     "{number}": NUMBER,
     "{count}": COUNT,
+    **{british: f"(?:{british}|{american})" for british, american in AMERICAN.items()},
     "{n}": r"(two|three|four|five|six|eight|one|a single|single|[1-8])",
 }
 
@@ -75,7 +77,7 @@ def context(name: str) -> re.Pattern[str]:
     words = "|".join(row["words"])
     if "before" in row or "after" in row:
         words = f"{row.get('before', '')}(?:{words}){row.get('after', '')}"
-    return re.compile(_filled(words), 0 if row.get("is_case_sensitive") else re.IGNORECASE)
+    return re.compile(_filled(words), re.IGNORECASE)
 
 
 @cache

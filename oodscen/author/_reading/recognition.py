@@ -55,13 +55,13 @@ class Recogniser:
         self.knowledge = knowledge
         self._index = HazardIndex(knowledge.hazards)
         self._labels = {
-            folded_words(label): (hazard, label == hazard.wider)
+            _key(label): (hazard, label == hazard.wider)
             for hazard in knowledge.hazards
             for label in (hazard.wider, hazard.label)
             if label
         }
         """The hazard of each label that the author wrote, and whether it is the wider one."""
-        self._families = {folded_words(label): label for label in knowledge.families}
+        self._families = {_key(label): label for label in knowledge.families}
         settings = SettingRecogniser(knowledge)
         self.place = settings.place
         self.conditions = settings.conditions
@@ -98,7 +98,7 @@ class Recogniser:
 
     def _label(self, label: str) -> tuple[HazardKind | None, bool]:
         """Return the hazard of a label, and whether it is the hazard's wider label."""
-        exact = self._labels.get(folded_words(label))
+        exact = self._labels.get(_key(label))
         if exact is not None:
             return exact
         return next(iter(self.reading(label).hazards), None), False
@@ -108,11 +108,11 @@ class Recogniser:
 
         A family's label names nothing itself; its leaves do.
         """
-        if folded_words(label) in self._families:
+        if _key(label) in self._families:
             return LabelReading(())
         parts = label.split(", or ")
-        if len(parts) > 1 and all(folded_words(part) in self._labels for part in parts):
-            hazards = [self._labels[folded_words(part)][0] for part in parts]
+        if len(parts) > 1 and all(_key(part) in self._labels for part in parts):
+            hazards = [self._labels[_key(part)][0] for part in parts]
             return LabelReading(
                 tuple(Alternative(hazard.label, (RequiredThing(hazard),)) for hazard in hazards)
             )
@@ -124,7 +124,7 @@ class Recogniser:
 
     def _of_label(self, text: str) -> HazardKind | None:
         """Return the hazard of a label that the author wrote."""
-        return self._labels.get(folded_words(text), (None, False))[0]
+        return self._labels.get(_key(text), (None, False))[0]
 
     def covered_by(self, label: str) -> tuple[HazardKind, ...]:
         """Return the hazards of a leaf's label: one, with its kin if widened, or several."""
@@ -132,7 +132,7 @@ class Recogniser:
 
     def written(self, label: str) -> tuple[HazardKind, ...]:
         """Return the hazards of a label that the author wrote; empty for any other label."""
-        entry = self._labels.get(folded_words(label))
+        entry = self._labels.get(_key(label))
         if entry is None:
             return ()
         hazard, is_wider = entry
@@ -140,4 +140,9 @@ class Recogniser:
 
     def family(self, label: str) -> str | None:
         """Return the family that a label names."""
-        return self._families.get(folded_words(label))
+        return self._families.get(_key(label))
+
+
+def _key(label: str) -> str:
+    """Return what equal labels share: their words, without the number that distinguishes them."""
+    return folded_words(_NUMBER.sub("", label))

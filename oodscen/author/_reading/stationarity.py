@@ -40,7 +40,9 @@ def usual_motion(
     if phrases.context("blocked").search(lead):
         return _STATIONARY
     if thing.group == "vehicle":
-        is_put = phrases.context("put").search(lead) and not re.search(r"\bleft (?!its )", lead)
+        is_put = phrases.context("put").search(lead) and not re.search(
+            r"\bleft (?!its )", lead, re.IGNORECASE
+        )
         bars = phrases.context("bars").search(after)
         return _STATIONARY if is_put or (bars and _governs(subject, bars, nouns)) else None
     if phrases.context("borne").search(lead):

@@ -60,6 +60,12 @@ class NounInContext:
         return self.determiner in _NEW or (is_counted and self.determiner not in _KNOWN)
 
     @property
+    def is_inflected(self) -> bool:
+        """True if the noun has a plural ending."""
+        words = self.text[self.mention.start : self.mention.end].casefold()
+        return self.mention.is_plural and words != self.mention.word.casefold()
+
+    @property
     def name(self) -> str:
         return self.mention.thing.name
 
@@ -89,6 +95,7 @@ _NOTHING: tuple[Callable[[NounInContext], object], ...] = (
         phrases.context("listed").search(at.sentence) and phrases.context("or_more").match(at.after)
     ),
     lambda at: phrases.context("not_itself").match(at.after),
+    lambda at: not at.is_inflected and phrases.context("described").match(at.after),
     lambda at: at.name == "traffic light" and phrases.context("lights_up").match(at.after),
     lambda at: (
         phrases.context("as_a").search(at.before) and phrases.context("ends").match(at.after)

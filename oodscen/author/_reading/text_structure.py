@@ -12,6 +12,8 @@ _INVERTED = re.compile(
     re.IGNORECASE,
 )
 """A verb and the words before the subject that follows it: `stands a large`."""
+_UP_TO_ADJECTIVE = re.compile(r" (?:(?!(?:an?|the|its)\b)[\w-]+ )?", re.IGNORECASE)
+"""A blank and an adjective at most."""
 _DETERMINERS = frozenset("a an the its his her their two three some several no another".split())
 _APPOSED = 24
 """Largest distance between a noun and a relative clause about it, in characters."""
@@ -51,7 +53,7 @@ class TextStructure:
         if following is None or following.subject is None or following.subject.is_faint:
             return False
         between = self.text[end : following.start]
-        return re.fullmatch(r" (?:(?!(?:an?|the|its)\b)[\w-]+ )?", between) is not None
+        return _UP_TO_ADJECTIVE.fullmatch(between) is not None
 
     def comer(self, start: int, end: int) -> Subject | None:
         """Return the thing that comes from a side; if the side opens a clause, the thing after it."""

@@ -15,6 +15,7 @@ _QUOTATION = re.compile(
     r"""|(?<![\w'])['\u2018](?:[^']|(?<=\w)'(?=\w)){1,80}'(?!\w)"""
 )
 """Words in quotation marks, as few as a sign has room for."""
+_DENIAL = re.compile(r"\b(?:no|not|never|neither|nor)\b", re.IGNORECASE)
 _LATER_WORD = re.compile(r"(?<=\s)[A-Za-z]{3,}")
 """A word after the first one that title case would capitalise."""
 _INSIDE_A_SENTENCE = re.compile(r"\b(?!I\b)[a-z][\w'-]* (?:[A-Z][\w'-]* )*$")
@@ -33,7 +34,7 @@ def is_unreal(kind: Kind, match: re.Match[str], mentioned: Iterable[Mention]) ->
     if phrases.context("denied_too").search(before) or _is_listed(before, after):
         return True
     if kind == "ego":
-        return re.search(r"\b(?:no|not|never|neither|nor)\b", match.group(0)) is not None
+        return _DENIAL.search(match.group(0)) is not None
     if kind not in ("weather", "time", "road"):
         return kind != "traffic" and phrases.context("denied").search(before) is not None
     if phrases.context("denied").search(before) or _is_quoted(match):

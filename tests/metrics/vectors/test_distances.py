@@ -1,5 +1,7 @@
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from oodscen import Metrics
 from oodscen.encoders._similarity import unit
@@ -60,6 +62,14 @@ def test_repetition_compresses_and_is_not_distinct():
     assert compression_ratio(same) > compression_ratio(varied)
     assert distinct_n(same, 2) == pytest.approx(1 / 20)
     assert distinct_n(varied, 2) == 1.0
+
+
+@given(st.randoms(use_true_random=False))
+def test_the_order_of_texts_changes_neither_repetition_nor_distinct_words(random):
+    texts = [f"A car {number % 4} waits at light {number % 3}." for number in range(12)]
+    mixed = random.sample(texts, len(texts))
+    assert compression_ratio(mixed) == compression_ratio(texts)
+    assert distinct_n(mixed, 2) == distinct_n(texts, 2)
     assert distinct_n(["one"], 2) is None
 
 
