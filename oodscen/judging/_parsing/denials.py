@@ -103,7 +103,7 @@ _KNOWN = (
     ("v", re.compile("[VT]")),
     (".", re.compile("")),
 )
-"""What a clause of known words says that calls nothing odd or ordinary: the first form that is found in its kinds."""
+"""The forms of a clause of known words that calls nothing odd or ordinary; it says that of the first one found."""
 _FIRST = "^[^xpV]*"
 _UNKNOWN = (
     ("-", re.compile("^[farSV]*[nzy][fawS]*x{1,2}[OSV]?T[farSTV]*$")),
@@ -113,7 +113,7 @@ _UNKNOWN = (
     ("?", re.compile(rf"{_FIRST}[nzyq]")),
     ("x", re.compile("")),
 )
-"""What a clause with unknown words says."""
+"""The forms of a clause with unknown words."""
 DENIAL = re.compile(r"[d.]*[-0][-0d.]*")
 """Matches what clauses say of which none names an aspect, and one says that there is none."""
 NAME = re.compile(r"[.o+]*(?:[xv].*|a[^-0]*)|[.o]+")
