@@ -2,7 +2,8 @@
 
 _THE = r"(?:(?:the|my|your|its|our|a|same|current|constant) )*"
 _GENTLY = r"(?: (?:gently|gradually|slightly|carefully|smoothly|comfortably|safely))?"
-_SIDE = r"(?:(?:hard )?shoulder|(?:right )?(?:side|edge)(?: of the road)?|right)"
+_SIDE = r"(?:right )?(?:(?:hard )?shoulder|(?:side|edge)(?: of the road)?)"
+_RIGHT = rf"(?:{_SIDE}|right(?! (?:hand )?lane))"
 
 
 def _lane_change(side: str) -> str:
@@ -16,19 +17,19 @@ def _lane_change(side: str) -> str:
 
 ACTION_WORDS = {
     "pull_over": (
-        rf"(?:slow down, )?(?:pull(?:ing)? ?over|(?:pull|mov)(?:e|ing)? (?:in|on)?to the {_SIDE})"
-        rf"(?: to the {_SIDE})?(?: or the shoulder)?(?:,? and (?:stop|park|wait)(?: there)?)?"
-        rf"|(?:stop|park)(?:p?ing)? (?:on|at) the {_SIDE}"
+        rf"(?:slow down(?:,| and) )?(?:pull(?:ing)? ?over|mov(?:e|ing) (?:over )?(?:in|on)?to the {_SIDE}|pull(?:ing)? (?:in|on)?to the {_RIGHT})"
+        rf"(?: to the {_RIGHT})?(?: or the shoulder)?(?:,? and (?:stop|park|wait)(?: there)?)?"
+        rf"|(?<!bus )(?:stop|park)(?:p?ing)? (?:on|at) the {_RIGHT}"
     ),
     "emergency_brake": (
         r"(?:emergency|panic|full|hard|maximum) brak(?:e|ing)|emergency stop(?:ping)?"
         r"|(?:keep the lane and )?brak(?:e|ing) (?:hard|sharply|fully|as hard as (?:possible|i can|the road allows))"
-        r"|slam(?:ming)? (?:on )?the brakes?|apply(?:ing)? (?:full|emergency) (?:brakes|braking)"
+        r"|slam(?:ming)? (?:on )?the brakes?|apply(?:ing)? (?:(?:full|emergency) (?:brakes|braking)|the brakes (?:fully|hard))"
     ),
     "change_lane_left": _lane_change("left"),
     "change_lane_right": _lane_change("right"),
     "stop": (
-        rf"(?:keep the lane and )?(?:com(?:e|ing)|brak(?:e|ing)){_GENTLY} to an?"
+        rf"(?:keep the lane and )?(?:com(?:e|ing)|brak(?:e|ing)|slow(?:ing)?(?: down)?|bring(?:ing)? (?:the|my|our) (?:ego )?(?:car|vehicle)){_GENTLY} to an?"
         r" (?:(?:complete|full|controlled|safe|smooth) )*(?:stop|halt|standstill)|(?:a )?(?:complete|full|controlled) stop"
         r"|(?<!bus )(?<!non )(?<!truck )stop(?:ping)?(?: the (?:car|vehicle|ego vehicle))?"
         r"(?! ?(?:signs?|lines?|lights?|signals?|at nothing|\w+ing\b))|halt(?:ing)?"

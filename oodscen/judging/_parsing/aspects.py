@@ -5,8 +5,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from oodscen._prose import fold, is_refusal, tidy
+from oodscen._prose import fold, is_refusal
 from oodscen.judging._parsing.confidence import CONFIDENT, confidence_in, one_probability
+from oodscen.judging._parsing.denials import DENIAL, NAME, ODD, clauses_said, plain_words
 from oodscen.judging._parsing.members import CONFIDENCE, is_placeholder, members, words_in
 from oodscen.judging._parsing.reading import ParsedAnswer, Question, read
 from oodscen.judging._parsing.reasons import is_against
@@ -27,47 +28,10 @@ _NAMED = re.compile(rf"{_ASPECT.pattern}|answer")
 """Matches those that name the aspect in answer to the paper's question."""
 _DETECTION = re.compile(f"{_IS_OOD.pattern}|{_ASPECT.pattern}|{CONFIDENCE.pattern}")
 
-_ODD = (
-    r"(?:unusual|out of the ordinary|abnormal|anomalous|strange|odd|weird|out of place|out of distribution|ood"
-    r"|remarkable|notable|noteworthy|of (?:note|interest)|special|suspicious|concerning|wrong|amiss)"
-)
-_ORDINARY = r"(?:normal|ordinary|usual|typical|routine)"
-_IS = r"(?:is|are|looks?|seems?|appears?)"
-_SEE = r"(?:see|notice|find|detect|spot|observe|identify)"
-_SCENE = r"(?:image|picture|photo|frame|view|video|sequence|scene|scenario|situation|drive|road|street|traffic)s?"
-_THING = (
-    r"(?:(?:aspect|thing|object|element|feature|event|detail|part|hazard|obstacle|problem|issue|concern|condition"
-    r"|deviation|behaviou?r)s?|(?:anomal|abnormalit|irregularit|activit)(?:y|ies))"
-)
-_WHERE = rf"(?: (?:here|(?:in|on|about|with|of) (?:this|the|these) (?:\w+ )?{_SCENE}))?"
-_FOUND = (
-    rf"(?:(?: (?:{_IS}|was|were|(?:has|have) been))? (?:found|detected|visible|present){_WHERE})?"
-)
-_ALL = rf"(?:everything|it|this|all|(?:the|this|these) (?:\w+ )?{_SCENE}){_WHERE}"
-_THERE = rf"(?:(?:there (?:is|are|(?:seems?|appears?) to be)|i (?:can |could )?{_SEE}|{_ALL} (?:shows?|contains?|has|have)) )?"
-_IS_ODD = rf"(?: (?:(?:that|which) )?{_IS}(?: to be)?)?(?: \w+ly)? {_ODD}"
-_NOTHING_ODD = (
-    rf"{_THERE}(?:nothing{_WHERE}(?:{_IS_ODD}| stands out)"
-    rf"|no(?:ne of the)? (?:(?:single|one|clear|obvious|apparent|visible|particular|other|\w+ly) )*(?:{_ODD} )?{_THING}(?: (?:or|nor|and) (?:{_ODD} )?{_THING})*"
-    rf"{_WHERE}(?:{_IS_ODD})?){_WHERE}{_FOUND}"
-)
-_USUAL_SCENE = rf"(?:(?:an?|just|only|quite|\w+ly) )*(?:{_ORDINARY}|fine|clear|not {_ODD})(?: (?:\w+ )?{_SCENE})?{_WHERE}"
-_ALL_USUAL = rf"{_ALL}(?: {_IS}(?: like| to be)?)? {_USUAL_SCENE}"
-_NOTHING = re.compile(
-    rf"\W*(?:(?:that|and|with|but) )?(?:{_THERE}(?:(?:none|nothing|no)(?: {_ODD})?|{_USUAL_SCENE}){_WHERE}{_FOUND}"
-    rf"|(?:nil|null|false|n/?a|not applicable|unknown){_WHERE}|{_NOTHING_ODD}|{_ALL_USUAL})\W*"
-)
-"""Matches plain words that say, as a whole, that there is no aspect; "no driver, which is unusual" names one."""
-_ABSENT = re.compile(r"no (?:\w+ )?\w+")
-"""Matches plain words that name an absent thing, and may add to words that say that there is no aspect."""
-_DENIAL = re.compile(
-    rf"\W*(?:{_THERE}(?:nothing\b(?! (?:holds|secures|supports|marks|protects|separates|covers)\b)|no (?:\w+ly )?{_ODD}\b)"
-    r"|(?:there|it|this|i|i (?:can|could)) (?:(?:is|are|am|was|do|did|does) )?not\b)"
-)
-"""Matches the beginning of plain words that deny something, and name no absent thing such as a driver."""
-
 _LABELLED = re.compile(r"\baspect ?[:=] ?([^\n]*\w[^\n]*)", re.IGNORECASE)
 """Matches the label "aspect" in prose, and what follows it in its line."""
+_MERE_YES = re.compile(r"\W*(?:(?:yes|true|1)[\s.!]*\Z|true ?[,.:;!])", re.IGNORECASE)
+"""Matches what names no aspect, though it may stand in the place of one."""
 _LAST_CONFIDENCE = re.compile(
     rf"[\s.,;:(\u2013\u2014-]{{0,4}}(?:{CONFIDENT.pattern})[\s.)]{{0,4}}\Z", re.IGNORECASE
 )
@@ -78,33 +42,19 @@ _LEAD = re.compile(
 )
 """Matches what may lead to the name of an aspect in prose."""
 _MARKED = re.compile(
-    rf"\b(?<!not )(?:(?:is )?(?:{_ODD}|anomaly)|answer|verdict) ?\??(?: is)? ?[:=?] ?(yes|no|true|false)\b"
-    r"(?! ?(?:or\b|/|,? not\b|\w+ (?:is|are)\b))"
+    rf"\b(?<!not )(?:(?:is )?(?:{ODD}|anomaly)|answer|verdict) ?\??(?: is)? ?[:=?] ?(yes|no|true|false)\b"
+    r"(?= ?(?:[.,;:!()\n\u2013\u2014-]|$))(?!,? (?:or|not)\b)"
 )
 """Matches a yes or no that is marked as the answer, in folded prose."""
 _QUESTION = re.compile(
-    rf"\A(?![^?]*(?:\bnot?\b|n't\b))[^?.!\n]{{0,200}}\b(?:{_ODD.replace(' ', '[ _-]')}|anomaly)[^?.!\n]{{0,200}}\? ?(?=(?:yes|no|true|false)\b)",
+    rf"\A(?![^?]*(?:\bnot?\b|n't\b))[^?.!\n]{{0,200}}\b(?:{ODD.replace(' ', '[ _-]')}|anomaly)[^?.!\n]{{0,200}}\? ?(?=(?:yes|no|true|false)\b)",
     re.IGNORECASE,
 )
 """Matches the question in one line of prose that repeats it before the answer."""
-_OPENING = re.compile(
-    rf"[\s(\u2022-]*(yes|no|true|false|{_NOTHING_ODD}|{_ALL_USUAL})(?=\s*(?:[,.:;!\u2014\u2013-]|$))"
-)
-"""Matches an answer with which plain prose opens."""
-_USUAL = re.compile(
-    r"(?<!out of the )(?<!not )(?<!not an )(?<!not a )"
-    rf"\b(?:{_ORDINARY}|nothing|no|none|fine|clear)\b"
-)
-"""Matches a word that goes with an answer of no, in folded prose."""
-_CLAUSES = re.compile(r"[,.;:!?()\n\u2013\u2014]+|(?<=\s)-|\band\b|\bwith(?= no\b)")
-"""Matches what stands between clauses."""
-_RETRACTS = re.compile(
-    rf"\W*(?:(?:it is|this is|that is|all|just|only|an?|the|some|\w+ly) )*{_ORDINARY}\b.*"
-    rf"|.*\b{_IS} (?:(?!(?:not|no|out|far|anything|hardly|than|less|never)\b)\w+ ){{0,2}}{_ORDINARY}\b.*"
-    r"|.*\bas usual\W*",
-    re.DOTALL,
-)
-"""Matches a clause that does not go with an opening "yes"; "on a clear road" and "no driver" do."""
+_OPENING = re.compile(r"[\s(\u2022-]*(yes|no|true|false)(?=\s*(?:[,.:;!\u2014\u2013-]|$))")
+"""Matches a yes or no with which plain prose opens."""
+_SOUGHT = re.compile(rf"\b(?:{ODD}|anomal|abnormal|hazard|obstacle|object|problem|issue|behavio)")
+"""Matches what a model says that it does not see, where it does see the picture."""
 _OPEN = re.compile(
     r"\b(?:but|however|except|apart from|although|though|wait|actually|on second thought|unsure|not sure|unclear"
     r"|hard to|can not (?:tell|say|judge)|yes and no|or not|unless|otherwise|correction|scratch|maybe"
@@ -151,38 +101,10 @@ def names_nothing(aspect: str) -> bool:
 
 def _says_nothing(aspect: str) -> bool | None:
     """Return whether the words of an aspect say that there is none; `None` if that is open."""
-    plain = _plain(aspect)
-    if _NOTHING.fullmatch(plain):
+    said = clauses_said(plain_words(aspect))
+    if not said or DENIAL.fullmatch(said):
         return True
-    clauses = [clause.strip() for clause in _CLAUSES.split(plain) if clause.strip()]
-    denials = [_NOTHING.fullmatch(clause) is not None for clause in clauses]
-    if not clauses or (denials[-1] and all(map(_denies, clauses))):
-        return True
-    is_open = (
-        clauses[0] == "true"
-        or denials[0]
-        or (denials[-1] and plain.startswith("no "))
-        or _DENIAL.match(plain)
-    )
-    return None if is_open else False
-
-
-def _denies(clause: str) -> bool:
-    return bool(_NOTHING.fullmatch(clause) or _ABSENT.fullmatch(clause))
-
-
-def _plain(words: str) -> str:
-    """Return words folded, without contractions, and with "no" and "nothing" for "not any" and "not anything"."""
-    plain = re.sub(r"\bcan(?:not|'t)\b", "can not", fold(tidy(words)))
-    plain = re.sub(r"n't\b", " not", plain)
-    plain = re.sub(r"\b(it|that|there|everything)'s\b", r"\1 is", plain)
-    plain = re.sub(r"\bi'm\b", "i am", plain)
-    return _NOT_ANY.sub(r"\1no\2", plain)
-
-
-_NOT_ANY = re.compile(
-    rf"\b(?:(?:can|could|do|does|did) )?not ((?:{_SEE} |(?:seem|appear) to be )?)any(thing)?\b"
-)
+    return False if NAME.fullmatch(said) else None
 
 
 def _disowns(reasons: str, _: object) -> bool:
@@ -204,7 +126,7 @@ def _pick_detection(value: Mapping[str, Any]) -> Detected | None:
         aspect = _words_of_aspect(value)
         beside = None if aspect and _name_or_nothing(aspect) else aspect
         return Detected(True, aspect, confidence, beside)
-    thing = next((words for words in _aspects(value) if not _says_usual(words)), None)
+    thing = next((words for words in _aspects(value) if not _goes_with_no(words)), None)
     return Detected(False, "", confidence, thing)
 
 
@@ -225,11 +147,10 @@ def _aspects(value: Mapping[str, Any]) -> list[str]:
     return [words for member in members(value, _ASPECT) if (words := words_in(member))]
 
 
-def _says_usual(aspect: str) -> bool:
-    """Return whether words of an aspect name nothing, or call it ordinary."""
-    if _says_nothing(aspect) is not False or is_placeholder(aspect):
-        return True
-    return _USUAL.search(_plain(aspect)) is not None
+def _goes_with_no(aspect: str) -> bool:
+    """Return whether words of an aspect add nothing to an answer of no."""
+    said = clauses_said(plain_words(aspect))
+    return is_placeholder(aspect) or DENIAL.fullmatch(f"-{said}") is not None
 
 
 def _pick_name(value: Mapping[str, Any]) -> str | None:
@@ -255,7 +176,7 @@ def _name_or_nothing(words: str) -> str:
 
 def _check_name(words: str) -> None:
     """Refuse words without a letter, and a mere yes."""
-    if not re.search(r"[^\W\d_]", words) or _TRUTHS.get(words.strip(" .!").casefold()):
+    if not re.search(r"[^\W\d_]", words) or _MERE_YES.match(words):
         raise UnusableError("the aspect is not named")
 
 
@@ -269,43 +190,41 @@ def _truth(value: object) -> bool | None:
 
 def _detected_in_prose(prose: str) -> Detected | None:
     """Parse a "yes" or "no" that is marked as the answer, or opens the text with words that agree with it."""
-    plain = _plain(prose)
+    plain = plain_words(prose)
     marked = {_TRUTHS[match[1]] for match in _MARKED.finditer(plain)}
     if len(marked) > 1:
         raise UnusableError(TWO_ANSWERS)
     if _OPEN.search(plain):
         return None
     answer = _QUESTION.sub("", prose)
-    plain = _plain(answer)
+    plain = plain_words(CONFIDENT.sub("", answer))
     opening = _OPENING.match(plain)
     if marked and (opening is None or _MARKED.search(plain)):
         is_ood = marked.pop()
         aspect = _aspect_after_mark(prose) if is_ood else ""
         return _detected(is_ood, aspect, prose)
-    if opening is None or (opening[1] in _TRUTHS and is_refusal(prose)):
+    if _declines(prose):
         return None
-    if opening[1] in _TRUTHS:
-        is_ood = _TRUTHS[opening[1]]
-        is_plain = _goes_with(plain[opening.end() :], is_ood=is_ood)
-    else:
-        is_ood = False
-        is_plain = _says_nothing(CONFIDENT.sub("", answer)) is True
-    if not is_plain:
+    if opening is None:
+        said = clauses_said(plain)
+        is_plain = DENIAL.fullmatch(said) and "-" in said and "?" not in plain
+        return _detected(False, "", prose) if is_plain else None
+    is_ood = _TRUTHS[opening[1]]
+    said = clauses_said(plain[opening.end() :])
+    if re.search("[-0?]", said) if is_ood else not DENIAL.fullmatch(f"-{said}"):
         raise UnusableError("what follows yes or no does not go with it")
     aspect = _aspect_after_yes(answer) if is_ood else ""
     return _detected(is_ood, aspect, prose)
 
 
+def _declines(prose: str) -> bool:
+    """Return whether prose is a refusal; "I can't see anything unusual in the image" is none."""
+    is_sought = _SOUGHT.search(fold(prose)) and names_nothing(prose)
+    return is_refusal(prose) and not is_sought
+
+
 def _detected(is_ood: bool, aspect: str, prose: str) -> Detected:
     return Detected(is_ood, aspect, confidence_in(prose), "" if is_ood and not aspect else None)
-
-
-def _goes_with(rest: str, *, is_ood: bool) -> bool:
-    """Return whether the words after an opening "yes" or "no" go with it."""
-    if is_ood:
-        clauses = [clause.strip() for clause in _CLAUSES.split(rest)]
-        return not any(_NOTHING.fullmatch(one) or _RETRACTS.fullmatch(one) for one in clauses)
-    return _USUAL.search(rest) is not None or not re.search(r"[^\W\d]{2}", CONFIDENT.sub("", rest))
 
 
 def _aspect_after_mark(prose: str) -> str:
@@ -338,11 +257,11 @@ def _named_in_prose(prose: str) -> str | None:
     labelled = _labelled(prose)
     if labelled is not None:
         return _name_or_nothing(labelled)
-    plain = _plain(prose)
+    plain = plain_words(prose)
     is_short = 0 < len(plain.split()) <= 20 and len(re.findall(r"[.!?](?:\s|$)", plain)) <= 1
     if not is_short or _OPEN.search(plain) or plain.endswith(("?", ":")):
         return None
-    if not re.search(r"\w", plain) or (is_refusal(prose) and not names_nothing(prose)):
+    if not re.search(r"\w", plain) or _declines(prose):
         return None
     return _name_or_nothing(_without_confidence(_LEAD.sub("", prose)))
 

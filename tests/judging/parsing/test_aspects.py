@@ -45,6 +45,14 @@ from oodscen.judging._parsing.confidence import probability
         ('{"is_ood": false, "confidence": 0.9, "certainty": 0.2}', Detected(False)),
         ('{"is_ood": false, "confidence": 0.9, "certainty": "90%"}', Detected(False, "", 0.9)),
         ("Yes, a deer. That was a lie.", None),
+        ("Yes, unusual: no cars on the road", None),
+        ("No, nothing here is normal.", None),
+        ("No, that is no ordinary truck, it is on fire", None),
+        ("No. A house burns, no cars around.", None),
+        ("No, it is clear that a cow blocks the road", None),
+        ("No, none of the lights work", None),
+        ("No, the road is not clear.", None),
+        ("No, nothing is unusual. The road is clear and traffic flows normally.", Detected(False)),
         ("> yes", None),
         ('{"is_ood": true, "reasoning": "This is not my answer."}', None),
         ('{"is_ood": true, "retracted": "yes"}', None),
@@ -95,6 +103,7 @@ def test_a_named_aspect(said, aspect):
         ("No, a deer.", "unparsed"),
         ("True, a deer.", "unparsed"),
         ("I can't see the image.", "refused"),
+        ("I can't see anything in the image.", "refused"),
         ("word " * 200_000, "unparsed"),
     ],
 )
@@ -105,6 +114,7 @@ def test_what_names_no_aspect_is_told_apart(said, outcome):
 ABSENT = (
     "No driver in the car", "No lights on the lorry", "None of the traffic lights work", "No road markings",
     "Nothing holds the load", "There is no driver in the car", "No wheels on an ordinary car",
+    "Nobody at the wheel", "Intersection without functioning lights", "Tail lights not working",
 )  # fmt: skip
 NOTHING = (
     "There is nothing unusual", "There is no OOD aspect", "Everything looks normal", "Nothing stands out", "I see nothing",
@@ -115,17 +125,20 @@ NOTHING = (
     "No unusual objects or events", "It looks like a normal road", "Everything looks normal and clear", "All clear",
     "The image shows a normal road", "It's a typical street", "No obvious hazards",
     "No anomalies were detected", "The road is clear with no visible hazards", "None of note", "Nothing, just a normal road",
+    "That's nothing unusual", "This is a normal driving scene with nothing unusual", "It's all normal", "Nothing in particular stands out",
+    "No hazards, obstacles, or unusual objects", "Normal traffic with a few cars", "The scene is in-distribution", "No deviation from normal driving",
 )  # fmt: skip
 
 
 NAMED = (
     "Northbound truck parked across both lanes", "Noise barrier fallen on the road", "November snow on the road", "A truck in both lanes",
-    "Nobody at the wheel",
+    "Pedestrian crossing where no crossing is expected", "It is not normal: a cow on the road",
 )  # fmt: skip
 OPEN = (
     "No lights on the oncoming truck, no hazard detected", "Nothing really catches my eye", "There's nothing for the driver to mind",
     "I can't see much", "Nothing unusual, a deer", "Nothing blocks the road", "No unusual lights on the car",
     "No problem: a deer is on the road", "Everything looks normal, with a deer",
+    "No deer on the road", "This is not normal", "An ordinary car drives the wrong way", "No one is driving", "A lorry drives as usual",
 )  # fmt: skip
 
 
@@ -169,6 +182,50 @@ def test_a_denial_is_no_aspect(denial: str, where: str, end: str) -> None:
     assert read_aspect(f"{denial}{where}{end}").value in (Detected(False), None)
 
 
+DENIALS = st.builds(
+    "{}{}{}{}{}".format,
+    st.sampled_from(
+        [
+            "No", "There are no", "There's no", "I see no", "The image shows no", "I don't see any", "I could not find any", "Without any",
+            "The scene doesn't contain any", "There aren't any", "This scene does not have any", "There is no sign of any",
+        ]
+    ),
+    st.sampled_from(["", " unusual", " significant", " major", " clear", " immediate", " noticeable", " out-of-distribution", " notable"]),
+    st.sampled_from(
+        [" anomalies", " abnormalities", " hazards", " obstacles", " OOD aspects", " problems or hazards", " issues", " objects", " vehicle behaviour"]
+    ),
+    st.sampled_from(["", " observed", " are visible", " were detected", " can be seen", " have been found", " seem to be present"]),
+    st.sampled_from(["", " here", " in this image", " on the road", " in the lane ahead", " in the given frames"]),
+)  # fmt: skip
+THINGS = st.sampled_from(["a cow", "a cow stands on the road", "the lorry burns", "no driver"])
+
+
+@given(DENIALS | st.sampled_from(NOTHING))
+def test_a_composed_denial_never_names_an_aspect(denial: str) -> None:
+    assert read_named_aspect(denial).value == ""
+    assert read_aspect(f"No, {denial}").value == Detected(False)
+    assert read_aspect(f"Yes, {denial}").value is None
+    assert read_aspect(denial).value in (Detected(False), None)
+
+
+@given(st.lists(DENIALS | st.sampled_from(NOTHING), min_size=1, max_size=2), THINGS, st.integers(0))
+def test_a_thing_among_denials_is_neither_denied_nor_named(
+    denials: list[str], thing: str, at: int
+) -> None:
+    denials.insert(at % len(denials) + 1, thing)
+    said = ", ".join(denials)
+    assert read_named_aspect(said).value is None
+    assert read_aspect(f"No, {said}").value is None
+    assert read_aspect(said).value is None
+    assert "beside the aspect" in read_aspect(json.dumps({"is_ood": False, "aspect": said})).note
+
+
+@given(THINGS)
+def test_a_thing_does_not_go_with_no(thing: str) -> None:
+    for said in ("", "this does not look normal: ", "it is far from normal, ", "on a clear road, "):
+        assert read_aspect(f"No, {said}{thing}").outcome == "unparsed"
+
+
 @given(
     st.sampled_from(["Unusual", "OOD", "Is this scene unusual", "Anomaly", "Is it out of the ordinary"]),
     st.sampled_from(["? ", ": "]),
@@ -200,14 +257,29 @@ def test_a_hazard_of_absence_goes_with_yes(aspect: str) -> None:
     "rest",
     [
         "everything is normal", "nothing unusual", "there is nothing unusual here", "no anomalies", "the scene is clear", "all normal",
-        "a typical street", "I see none", "there are no hazards", "it is ordinary", "cars behave as usual", "a car, but ordinary",
+        "a typical street", "this is in-distribution", "I see none", "there are no hazards", "it is ordinary", "cars behave as usual", "a car, but ordinary",
     ],
 )  # fmt: skip
 def test_an_ordinary_scene_does_not_go_with_yes(rest: str) -> None:
     assert read_aspect(f"Yes, {rest}.").outcome == "unparsed"
 
 
-@pytest.mark.parametrize("part", ["unusual ", "no ", "lly ", "is ", "....", "a, ", "confidence "])
+@pytest.mark.parametrize(
+    "part",
+    [
+        "unusual ",
+        "no ",
+        "no is ",
+        "no deer or ",
+        "ok ",
+        "car ",
+        "lly ",
+        "is ",
+        "....",
+        "a, ",
+        "confidence ",
+    ],
+)
 def test_long_answers_are_read_at_once(part: str) -> None:
     for said in (part * 20_000, f"Yes, {part * 20_000}", f"Aspect: {part * 20_000}"):
         read_aspect(said)

@@ -211,6 +211,71 @@ def test_plain_english_is_read(form, action):
         assert read_action(form.format(name), ACTIONS).value == action
 
 
+MIRRORED = {
+    "left": "right",
+    "right": "left",
+    "Left": "Right",
+    "Right": "Left",
+    "LEFT": "RIGHT",
+    "RIGHT": "LEFT",
+}
+ONE_SIDED = re.compile(r"pull|shoulder|edge|oncoming|the right thing", re.IGNORECASE)
+"""Matches words of the roadside, which is on the right, of the oncoming lane, and of what is right."""
+
+
+def mirrored(said: str) -> str:
+    """Return an answer with left for right and right for left."""
+    return re.sub("|".join(MIRRORED), lambda side: MIRRORED[side[0]], said)
+
+
+def test_left_and_right_are_read_alike():
+    sided = [said for question, said, _ in ROWS if question == "action" and mirrored(said) != said]
+    assert len(sided) > 100
+    for said in sided:
+        if not ONE_SIDED.search(said):
+            found, other = (read_action(one).value for one in (said, mirrored(said)))
+            assert other == mirrored(found or "") or not (found or other), said
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize(
+    "verb",
+    ["Move", "Move over", "Change", "I would move", "Merge", "The safest action is to move"],
+)
+@pytest.mark.parametrize(
+    "where",
+    [
+        "{}",
+        "to the {}",
+        "to the {} lane",
+        "into the {} lane",
+        "to the {}-hand lane",
+        "to the next lane on the {}",
+    ],
+)
+def test_moving_to_a_side_changes_the_lane(verb: str, where: str, side: str) -> None:
+    for reason in ("", f" because the {MIRRORED[side]} lane is blocked"):
+        assert read_action(f"{verb} {where.format(side)}{reason}.").value == f"change_lane_{side}"
+
+
+@pytest.mark.parametrize(
+    ("said", "action"),
+    [
+        ("Slow down and pull over.", "pull_over"),
+        ("Move onto the right shoulder.", "pull_over"),
+        ("Pull over to the right.", "pull_over"),
+        ("Stop on the right.", "pull_over"),
+        ("Stop on the right lane.", None),
+        ("Slow down to a stop.", "stop"),
+        ("Slow to a halt", "stop"),
+        ("Bring the vehicle to a complete stop.", "stop"),
+        ("Apply the brakes fully.", "emergency_brake"),
+    ],
+)
+def test_where_and_how_to_stop(said: str, action: str | None) -> None:
+    assert read_action(said).value == action
+
+
 def test_what_is_not_listed_is_not_read():
     said = wrappers.hostile()
     assert len(said) >= 500
