@@ -242,7 +242,10 @@ def run(
                 retry=retry_failed,
             )
     except AnswerError:
-        say("the same command finds these answers in the study again; --retry-failed asks anew", err=True)
+        say(
+            "the same command finds these answers in the study again; --retry-failed asks anew",
+            err=True,
+        )
         raise
     info = study.info
     if as_json:
