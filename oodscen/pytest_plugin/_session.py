@@ -189,11 +189,16 @@ class DrivingSession:
         """Add what happened to the report of a test, and forgive a failure that is known or counted."""
         report = yield
         scene = _scene_of(item)
-        if scene is None or report.when == "teardown" or report.skipped:
+        if scene is None or report.when == "teardown":
             return report
         if report.when == "setup" and report.passed:
             return report
         drive, subtests = item.stash.get(DRIVE, None), item.stash.get(SUBTESTS, Subtests())
+        driven = [result.model_dump(mode="json") for result in drive.results] if drive else []
+        if report.skipped:
+            # Neither passed nor failed, for the baseline; what it drove counts for the stack nevertheless.
+            vars(report)["oodscen"] = {"drives": driven}
+            return report
         outcome: Outcome = "failed" if report.failed or subtests.forgiven else "passed"
         known_test = KnownTest(outcome=outcome, scene=scene.digest())
         test = self._test_id(item)
@@ -213,7 +218,7 @@ class DrivingSession:
             "test": test,
             "known": known_test.model_dump(),
             "change": change,
-            "drives": [result.model_dump(mode="json") for result in drive.results] if drive else [],
+            "drives": driven,
         }
         return report
 
@@ -299,8 +304,9 @@ class DrivingSession:
             return
         from oodscen.data._drive_result import DriveResult
 
-        self._tests[carried["test"]] = KnownTest.parse(carried["known"])
-        self._changes[carried["test"]] = carried["change"]
+        if "test" in carried:
+            self._tests[carried["test"]] = KnownTest.parse(carried["known"])
+            self._changes[carried["test"]] = carried["change"]
         for row in carried["drives"]:
             result = DriveResult.parse(row)
             before = self._drives.get(result.id)

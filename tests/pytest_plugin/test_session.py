@@ -113,6 +113,25 @@ def test_a_stack_cannot_skip_the_drives_that_a_requirement_counts(session, skip)
     )
 
 
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ("@pytest.mark.xfail(reason='known')", "assert drive(Blind).is_safe"),
+        ("", "drive(Blind).is_safe or pytest.skip('known')"),
+        ("", "drive(Blind).is_safe or pytest.xfail('known')"),
+    ],
+)
+def test_drives_count_whatever_pytest_makes_of_their_test(session, pytester, before, after):
+    def figures(text):
+        pytester.makepyfile(test_other=f"import pytest\nfrom stack import Blind\n{text}")
+        found = session("Blind", "-k", "test_other", "--oodscen-require=safe>=0.5")
+        assert found.ret == pytest.ExitCode.TESTS_FAILED
+        return [line for line in found.outlines if "scenes: " in line]
+
+    plain = figures("def test_other(drive):\n    assert drive(Blind).is_safe\n")
+    assert figures(f"{before}\ndef test_other(drive):\n    {after}\n") == plain != []
+
+
 def test_needless_braking_in_a_twin_fails_with_pictures_of_where_it_begins(session, pytester):
     result = session("Startled", "-k", "test_twin and box-001", "--oodscen-pictures=shown")
     with make_simulator("flat") as simulator:
