@@ -162,6 +162,8 @@ def verdict(
     file could not be judged, or its run is inconclusive; a collision is not a failure.
     """
     from oodscen.interchange import verdict as judge
+    from oodscen.study._stale import refuse_stale
+    from oodscen.study._study import Study
 
     if not driver or not place.is_dir():
         refuse_idle("without --driver and a study, whose table it is for", "replace")
@@ -169,6 +171,9 @@ def verdict(
     if driver and (twice := [name for name, count in names.items() if count > 1]):
         raise UsageError(f"{twice[0]} has several files; a driver has one result per scene")
     scenes, catalogue, facts = scenes_of(place, simulator)
+    if driver and place.is_dir():
+        study = Study.open(place)
+        refuse_stale(study, study.episodes, scenes)
     by_id = {scene.id: scene for scene in (*scenes, *facts.demands.values())}
     verdicts: list[PlayedVerdict] = []
     failed = 0

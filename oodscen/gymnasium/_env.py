@@ -192,28 +192,30 @@ class SceneEnv(Brief, gymnasium.Env[Any, Any]):
             )
         claim(self)
         self._decoder.begin(action, episode.observation, "SceneEnv.step()")
-        begin_m, begin_speed, begin_s = episode.place_m, episode.speed, episode.state.time
         self._is_over = True  # Also if the simulator fails: its state is unknown then.
+        terms: dict[str, float] = {}
         for _ in range(self._steps_per_action):
-            before = episode.state
+            before, begin_m, begin_speed = episode.state, episode.place_m, episode.speed
             with working("simulator", self.simulator.name):
                 episode.advance(self._decoder.control(episode.observation))
+            info = self._info(episode, before)
+            seconds = episode.state.time - before.time
+            added = self.reward.terms(
+                seconds,
+                progress=(episode.place_m - begin_m) / (episode.initial_speed * seconds),
+                offset_m=episode.observation.offset_m,
+                deceleration=(begin_speed - episode.speed) / seconds,
+                ttc_s=info["ttc_s"],
+                collision=info["collision"],
+                off_road=info["off_road"],
+            )
+            terms = {name: terms.get(name, 0.0) + term for name, term in added.items()}
             if episode.is_lost or episode.is_at_horizon:
                 break
         terminated = episode.is_lost
         truncated = not terminated and episode.is_at_horizon
         self._is_over = terminated or truncated
-        info = self._info(episode, before)
-        seconds = episode.state.time - begin_s
-        terms = info["reward_terms"] = self.reward.terms(
-            seconds,
-            progress=(episode.place_m - begin_m) / (episode.initial_speed * seconds),
-            offset_m=episode.observation.offset_m,
-            deceleration=(begin_speed - episode.speed) / seconds,
-            ttc_s=info["ttc_s"],
-            collision=info["collision"],
-            off_road=info["off_road"],
-        )
+        info["reward_terms"] = terms
         return self._observe(episode), math.fsum(terms.values()), terminated, truncated, info
 
     def render(self) -> NDArray[np.uint8] | None:

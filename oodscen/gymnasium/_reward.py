@@ -13,7 +13,7 @@ CRITICAL_TTC_S = 1.5
 
 @dataclass(frozen=True)
 class Reward:
-    """The weights of a reward, which is their sum over what happened in a step.
+    """The weights of a reward: the sum of what happened in the simulator's steps of an action.
 
     The defaults let a drive of ten seconds at constant speed earn about 10. A collision costs as
     much as 20 s of progress earn, and standing still from the start earns 0.
@@ -63,7 +63,7 @@ class Reward:
         collision: bool,
         off_road: bool,
     ) -> dict[str, float]:
-        """Return the weighted terms of one step by name.
+        """Return the weighted terms of one step of the simulator by name.
 
         Args:
             seconds: Duration of the step, s.

@@ -129,7 +129,7 @@ class DriveBoard(Data):
         remarks = []
         for scenes, twins in self._pairs():
             progress, passed = twins.means["progress"].value, scenes.shares["passed"].value
-            if progress is not None and passed is not None and progress < HARDLY_DRIVES:
+            if progress is not None and passed and progress < HARDLY_DRIVES:
                 remarks.append(
                     f"{scenes.driver} passes {percent(passed)} of the scenes by hardly driving: on the ordinary twins it "
                     f"comes {percent(progress)} as far as keeping the speed would. Standing still is no skill."

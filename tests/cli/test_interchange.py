@@ -257,6 +257,20 @@ def test_a_result_is_not_replaced_unasked(study, tmp_path):
     assert "1 inconclusive" in (study / "report.html").read_text()
 
 
+def test_no_run_enters_the_table_for_a_scene_that_has_changed(study, tmp_path):
+    scene = Study.open(study).scenes[0]
+    path = tmp_path / f"{scene.id}.csv"
+    poses(path, scene, make_catalogue("flat"))
+    first, *others = (study / "scenes.jsonl").read_text().splitlines()
+    edited = json.loads(first)
+    edited["ego"]["speed"] += 0.2
+    (study / "scenes.jsonl").write_text("\n".join([json.dumps(edited), *others, ""]))
+    found = run("verdict", study, path, "--driver", "stack")
+    assert found.exit_code == 2
+    assert "has changed since it was run" in found.output
+    assert not (study / "drives.jsonl").exists()
+
+
 @pytest.mark.parametrize("name", ["", "  ", "rule-based", "RSS", "a\nb"])
 def test_a_driver_that_played_has_a_name_of_its_own(name, study, tmp_path):
     path = tmp_path / "scene.csv"

@@ -129,6 +129,18 @@ def test_what_happens_is_told_and_rewarded(made):
     assert off["reward_terms"]["off_road"] == Reward().off_road
 
 
+@pytest.mark.parametrize("action", [0, 2])
+def test_the_reward_of_a_drive_does_not_depend_on_how_long_an_action_holds(made, action):
+    sums = []
+    for step_s in (FlatSimulator.dt, 0.5, 2.0, 3.0):
+        steps = rolled(made(actions="discrete", step_s=step_s), lambda seen: action)
+        terms = [info["reward_terms"] for _, _, info in steps[1:]]
+        sums.append({name: sum(term[name] for term in terms) for name in terms[0]})
+    assert sums[0]["critical"] < -0.5 if action == 0 else sums[0]["braking"] < 0.0
+    for other in sums[1:]:
+        assert other == pytest.approx(sums[0], abs=1e-9)
+
+
 def test_discrete_actions_follow_one_another(made):
     """A change to the left stays there; after slowing down, keeping the speed drives on."""
     env = made(actions="discrete", step_s=0.5, twins=True)
