@@ -32,6 +32,11 @@ LayoutName = Literal["drivelm", "nuscenes", "talk2car", "bdd-x", "cityflow-nl"]
 _NOT_COMMERCIAL = "CC-BY-NC-SA-4.0"
 _BDD_X = ("Input.Video", "Answer.1action")
 _BDD_X_TEXT = re.compile(r"(Answer\.\d+)(?:action|justification)")
+_JOINING = re.compile(
+    r"(?:after|and|as|at|because|before|but|by|due|for|from|if|in|on|since|so|to|unless|until|when|where|"
+    r"which|while|with)\b"
+)
+"""Beginnings of a reason that goes on with the sentence of its action."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +96,7 @@ def layout_of(name: str) -> FileLayout:
 
 
 def chosen_parts(layout: FileLayout, parts: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the kinds of texts to read: the requested ones, or the layout's default.
+    """Return the requested kinds of texts, which the layout must have.
 
     Raises:
         UnknownComponent: If the layout has no such part.
@@ -181,7 +186,7 @@ def _joined(action: str, justification: str | None) -> str:
     """Join "The car stops" and "because the light is red.", or two whole sentences."""
     if justification is None:
         return action
-    if justification[0].islower():
+    if _JOINING.match(justification):
         return f"{action.rstrip('.!? ')} {justification}"
     action = action.rstrip(". ")
     return (

@@ -89,25 +89,6 @@ def check_truth(
     return issues
 
 
-def measured_visual_range(frame: Frame, clear: Frame, camera: Camera) -> float | None:
-    """Return the distance at which contrast falls to 5 %, measured from two frames, m.
-
-    In fog, the contrast at distance d is the clear contrast times exp(-3 d / range) (Koschmieder,
-    1924). It is measured between neighbouring pixels of one surface, where lamps and haze vary slowly:
-    per distance bin, the median ratio of the foggy step to the clear step. One range is then fitted to
-    all bins. Shadows and headlamp beams distort the result: compare frames of an overcast day.
-
-    Args:
-        frame: The frame in fog.
-        clear: The frame of the same state without fog.
-        camera: The camera of both frames.
-
-    Returns:
-        `None` if the frames have too little contrast.
-    """
-    return _fitted_visual_range(_contrasts(frame, clear, camera))
-
-
 class _Contrast(NamedTuple):
     """The contrast in fog of all surfaces within a distance bin."""
 
@@ -119,14 +100,19 @@ class _Contrast(NamedTuple):
 
 
 def _contrasts(frame: Frame, clear: Frame, camera: Camera) -> list[_Contrast]:
-    """Return the contrasts along the rows and columns of a foggy frame, by distance."""
+    """Return the contrasts of a foggy frame, by distance.
+
+    Contrast is measured between neighbouring pixels of one surface, where lamps and haze vary slowly: per
+    distance bin, the median ratio of the foggy step to the clear step, along rows and columns together.
+    Shadows and headlamp beams distort it: compare frames of an overcast day.
+    """
     u, v = tangents(camera)
     depth = np.where(np.isfinite(frame.depth), frame.depth, 0.0)
     distance = depth * np.sqrt(1.0 + u[None, :] ** 2 + v[:, None] ** 2)
     grey = frame.rgb.astype(np.float64).mean(axis=2)
     clear_grey = clear.rgb.astype(np.float64).mean(axis=2)
     is_ego = frame.ids == 1
-    contrasts = []
+    steps = []
     for one, other in (
         (np.s_[:-1, :], np.s_[1:, :]),
         (np.s_[:, :-1], np.s_[:, 1:]),
@@ -135,17 +121,24 @@ def _contrasts(frame: Frame, clear: Frame, camera: Camera) -> list[_Contrast]:
         step, clear_step = grey[other] - grey[one], clear_grey[other] - clear_grey[one]
         usable = (near > 0.0) & (gap < 0.1 * near) & (np.abs(clear_step) >= _LEAST_STEP)
         usable &= ~is_ego[one] & ~is_ego[other]
-        for low, high in pairwise(_BIN_EDGES_M):
-            inside = usable & (near >= low) & (near < high)
-            steps = int(inside.sum())
-            if steps >= _LEAST_STEPS:
-                ratio = float(np.median(step[inside] / clear_step[inside]))
-                contrasts.append(_Contrast(float(near[inside].mean()), ratio, steps))
+        steps.append((near[usable], step[usable] / clear_step[usable]))
+    near, ratio = (np.concatenate(parts) for parts in zip(*steps, strict=True))
+    contrasts = []
+    for low, high in pairwise(_BIN_EDGES_M):
+        inside = (near >= low) & (near < high)
+        count = int(inside.sum())
+        if count >= _LEAST_STEPS:
+            median = float(np.median(ratio[inside]))
+            contrasts.append(_Contrast(float(near[inside].mean()), median, count))
     return contrasts
 
 
 def _fitted_visual_range(contrasts: Sequence[_Contrast]) -> float | None:
-    """Return the visual range of which contrasts tell, m; `None` if they are too few."""
+    """Return the distance at which contrast falls to 5 %, m; `None` if too few contrasts tell of it.
+
+    In fog, the contrast at distance d is the clear contrast times exp(-3 d / range) (Koschmieder, 1924); one
+    range is fitted to all bins.
+    """
     visible = [contrast for contrast in contrasts if contrast.ratio >= _LEAST_CONTRAST]
     if len(visible) < _LEAST_BINS:
         return None
@@ -178,6 +171,10 @@ def fog_fault(visual_range_m: float, camera: Camera, render: Callable[[float], F
         return ""
     if abs(measured_m - visual_range_m) <= RANGE_TOLERANCE * visual_range_m:
         return ""
+    if measured_m >= CLEAR_AIR_M:
+        return (
+            f"contrast does not fall with distance, with a visual range of {visual_range_m:.0f} m"
+        )
     return (
         f"the visual range is {measured_m:.0f} m in the frame, {visual_range_m:.0f} m in the scene"
     )
@@ -226,7 +223,9 @@ def _picture_issues(
             low, high = depths(eye, body.solid)
             depth = float(np.median(frame.depth[mask]))
             if not low - 0.5 <= depth <= high + 0.5:
-                message = f"{body} has a depth of {depth:.1f} m {where}, not {low:.1f} m"
+                message = (
+                    f"{body} has a depth of {depth:.1f} m {where}, not {low:.1f} to {high:.1f} m"
+                )
                 issues[body.id] = Issue(path, message)
     return list(issues.values())
 

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from oodscen.data._scene import Hazard, Trigger, Weather
-from oodscen.protocols import Camera
+from oodscen.driving._flat_frame import tangents
+from oodscen.protocols import Camera, Frame
 from oodscen.testing import check_truth
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
-from oodscen.testing._truth import measured_visual_range
+from oodscen.testing._truth import fog_fault
 
 CAMERA = Camera(width=320, height=240)
 
@@ -103,15 +104,29 @@ def test_a_refused_scene_says_why():
     assert paths(FlatSimulator(), example_scene().model_copy(update={"map": "nowhere"})) == ["map"]
 
 
+def fault_of(drawn_m, told_m):
+    """Return the fault of a fog of one visual range in a scene that has another."""
+    with FlatSimulator() as simulator:
+
+        def render(visual_range_m):
+            simulator.reset(foggy(drawn_m if visual_range_m == told_m else visual_range_m), 0)
+            return simulator.render(Camera())
+
+        return fog_fault(told_m, Camera(), render)
+
+
 @pytest.mark.parametrize("metres", [25.0, 60.0, 150.0, 300.0])
 def test_the_visual_range_is_measured(metres):
-    with FlatSimulator() as simulator:
-        frames = []
-        for fog in (metres, 10_000.0):
-            simulator.reset(foggy(fog), 0)
-            frames.append(simulator.render(Camera()))
-    found = measured_visual_range(frames[0], frames[1], Camera())
-    assert found == pytest.approx(metres, rel=0.08)
+    assert not fault_of(metres, 0.92 * metres)
+    assert not fault_of(metres, 1.1 * metres)
+    assert "the visual range is" in fault_of(metres, 0.77 * metres)
+    assert "the visual range is" in fault_of(metres, 1.45 * metres)
+
+
+def test_a_fog_that_is_not_drawn_is_told_in_words():
+    assert fault_of(10_000.0, 60.0) == (
+        "contrast does not fall with distance, with a visual range of 60 m"
+    )
 
 
 def test_without_contrast_there_is_no_visual_range():
@@ -119,4 +134,32 @@ def test_without_contrast_there_is_no_visual_range():
         simulator.reset(example_scene(), 0)
         frame = simulator.render(CAMERA)
     grey = dataclasses.replace(frame, rgb=np.full_like(frame.rgb, 128))
-    assert measured_visual_range(grey, grey, CAMERA) is None
+    assert not fog_fault(60.0, CAMERA, lambda visual_range_m: grey)
+
+
+def surfaces(visual_range_m, distances_m, step):
+    """Return the frame of speckled surfaces at some distances, one above another, in a fog of 180 grey levels."""
+    u, v = tangents(CAMERA)
+    distance = np.repeat(distances_m, CAMERA.height // len(distances_m))[:, None]
+    speckles = np.random.default_rng(0).integers(0, 2, (CAMERA.height, CAMERA.width))
+    clearness = np.exp(-3.0 * distance / visual_range_m)
+    grey = ((100.0 + step * speckles) * clearness + 180.0 * (1.0 - clearness)).round()
+    depth = distance / np.sqrt(1.0 + u[None, :] ** 2 + v[:, None] ** 2)
+    return Frame(
+        rgb=np.repeat(grey[:, :, None], 3, axis=2).astype(np.uint8),
+        depth=depth.astype(np.float32),
+        ids=np.zeros(speckles.shape, np.int32),
+    )
+
+
+@pytest.mark.parametrize("step", [3, 6, 10, 40])
+@pytest.mark.parametrize("distances_m", [(5.0, 6.5), (10.0, 14.0), (20.0, 26.0)])
+def test_two_distances_are_too_few_for_a_visual_range(distances_m, step):
+    assert not fog_fault(60.0, CAMERA, lambda metres: surfaces(metres, distances_m, step))
+
+
+def test_three_distances_tell_of_a_visual_range():
+    def render(visual_range_m):
+        return surfaces(30.0 if visual_range_m == 60.0 else visual_range_m, (8.0, 14.0, 24.0), 60)
+
+    assert "is 30 m in the frame" in fog_fault(60.0, CAMERA, render)

@@ -12,7 +12,7 @@ from oodscen.protocols import Camera, Frame
 from oodscen_carla.server import _measurements as wire
 from oodscen_carla.server._actors import ServerActor
 from oodscen_carla.server._blueprints import CAMERAS, PICTURE
-from oodscen_carla.server._cameras import CameraRenderer, PicturedBody, View
+from oodscen_carla.server._cameras import CameraRenderer, PicturedBody, Pose, View
 from oodscen_carla.server._geometry import matrix, transform_of
 from oodscen_carla.server._streams import WORLD_STREAM, Streams
 from oodscen_carla.server._values import CallError, Transform
@@ -39,7 +39,9 @@ def camera_of(attributes: Mapping[str, str]) -> Camera:
         width, height = int(values["image_size_x"]), int(values["image_size_y"])
         fov = float(values["fov"])
     except ValueError:
-        raise CallError("image_size_x, image_size_y and fov must be numbers") from None
+        raise CallError(
+            "image_size_x and image_size_y must be whole numbers, fov a number"
+        ) from None
     if not (0 < width <= MAX_SIDE and 0 < height <= MAX_SIDE and width * height <= MAX_PIXELS):
         raise CallError(
             f"a picture has 1 to {MAX_SIDE} pixels a side and at most {MAX_PIXELS} in all"
@@ -83,9 +85,12 @@ class SensorSender:
         self._send_collisions()
 
     def _is_due(self, actor: ServerActor) -> bool:
-        if self._world.time < self._due_at.get(actor, 0.0) - ROUNDING_S:
+        now, tick = self._world.time, actor.number("sensor_tick", 0.0)
+        due_at = self._due_at.get(actor, now)
+        if now < due_at - ROUNDING_S:
             return False
-        self._due_at[actor] = self._world.time + actor.number("sensor_tick", 0.0)
+        is_kept_up = due_at + tick > now
+        self._due_at[actor] = (due_at if is_kept_up else now) + tick
         return True
 
     def _send(self, actor: ServerActor, head: bytes, body: bytes | memoryview = b"") -> None:
@@ -113,18 +118,12 @@ class SensorSender:
     def _take(self, actor: ServerActor, bodies: list[PicturedBody], size: Camera) -> Picture:
         """Return the picture of a camera, whose host comes first among the bodies if it is one of them."""
         world = self._world
-        host = world.actors.get(actor.parent)
-        host_bodies = [body for body in bodies if host is not None and body.key == host.id]
-        has_host = bool(host_bodies)
-        shown = [*host_bodies, *(body for body in bodies if body not in host_bodies)]
-        view = aimed(
-            size,
-            shown[0].pose if has_host else None,
-            host,
-            actor.place,
-            world.place_of(actor),
-            world.picture_time(host if has_host else None),
-        )
+        shown = sorted(bodies, key=lambda body: body.key != actor.parent)
+        has_host = bool(shown) and shown[0].key == actor.parent
+        host = world.actors[actor.parent] if has_host else None
+        level = shown[0].pose if host is not None and _is_level(world.place_of(host)) else None
+        time = world.picture_time(host)
+        view = aimed(size, actor.place, world.place_of(actor), level, time)
         frame, ids = self._renderer.take(world.scene(), world.seed, shown, view, has_host=has_host)
         tags = [world.actors[key].blueprint.tag if key else 0 for key in ids.tolist()]
         return frame, ids, np.array(tags, np.uint8)
@@ -140,25 +139,31 @@ class SensorSender:
                 self._send(sensor, wire.collision(car.row(b""), other.row(b""), impulse))
 
 
+def _is_level(place: Transform) -> bool:
+    pitch, _, roll = place.rotation
+    return round(pitch, 6) == round(roll, 6) == 0.0
+
+
 def aimed(
-    size: Camera,
-    pose: tuple[float, float, float, float] | None,
-    host: ServerActor | None,
-    mount: Transform,
-    place: Transform,
-    time: float,
+    size: Camera, mount: Transform, place: Transform, level: Pose | None, time: float
 ) -> View:
-    """Return the camera in right-handed axes.
+    """Return the view of a camera, in right-handed axes.
 
     A level camera on a level vehicle is mounted on the vehicle's exact pose, without the noise of
     32-bit floats; any other stands free in the world.
+
+    Args:
+        size: The camera, not yet mounted.
+        mount: Its place relative to what it is attached to.
+        place: Its place in the world.
+        level: The pose of the level vehicle that it is attached to, if it is.
+        time: The clock of rain and flashing lamps, s.
     """
-    is_level = host is not None and not (host.place.rotation[0] or host.place.rotation[2])
-    if pose is not None and is_level and not mount.rotation[2] and abs(mount.rotation[0]) <= 90.0:
+    if level is not None and not mount.rotation[2] and abs(mount.rotation[0]) <= 90.0:
         x, y, z = (round(value, 6) for value in mount.location)
         pitch, yaw, _ = (round(angle, 6) for angle in mount.rotation)
         camera = _moved(size, x, -y, z, -pitch, math.remainder(-yaw, 360.0))
-        return View(camera, pose, 0.0, time)
+        return View(camera, level, 0.0, time)
     if abs(place.rotation[0]) > 90.0:  # It looks over its back, as a lower one does that is turned.
         place = transform_of(matrix(place))
     x, y, z = place.location

@@ -285,6 +285,11 @@ class Positions:
         """Return the entity to which a `Position` is relative, or an empty text."""
         return next((child.get("entityRef") for child in holder.children()), "")
 
+    def can_read(self, holder: Element) -> bool:
+        """Return whether the place of a `Position` that is relative to no entity can be read."""
+        node = next(holder.children(), None)
+        return node is not None and node.name in ("WorldPosition", "LanePosition", "RoadPosition")
+
     def read(self, holder: Element) -> EntityPlace | None:
         """Return the pose of a `Position`, or `None` after recording that it cannot be used."""
         node = next(holder.children(), None)

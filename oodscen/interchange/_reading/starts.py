@@ -1,22 +1,19 @@
 """Starts of the entities of an OpenSCENARIO file."""
 
-from collections.abc import Sequence
-from itertools import pairwise
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from oodscen.interchange._reading.positions import EntityPlace, Positions
 from oodscen.interchange._reading.tree import Element
 
 
-class _Step(NamedTuple):
-    """One action that places an entity."""
+class _Action(NamedTuple):
+    """An action that places an entity."""
 
-    name: str
-    """The entity."""
-    holder: Element
-    """Its `Position`."""
+    entity: str
+    position: Element
     reference: str
-    """The entity to which that is relative, or an empty text."""
+    """The entity to which the position is relative, or an empty text."""
 
 
 def read_starts(root: Element, positions: Positions) -> None:
@@ -25,61 +22,63 @@ def read_starts(root: Element, positions: Positions) -> None:
     The actions are taken in order, and the last place of an entity counts. An action that is relative to an
     entity without a place waits until that has one.
     """
-    waiting: list[_Step] = []
-    for step in _needed(_steps(root, positions)):
-        if step.reference != step.name:
-            waiting = [one for one in waiting if one.name != step.name]
-        waiting.append(step)
-        while ready := next((one for one in waiting if _is_ready(one, waiting, positions)), None):
-            waiting.remove(ready)
-            place = positions.read(ready.holder)
-            positions.places.pop(ready.name, None)
-            if place is not None:
-                positions.places[ready.name] = place
-    for step in waiting:
-        positions.places.pop(step.name, None)
-    for step in {step.name: step for step in reversed(waiting)}.values():
-        positions.read(step.holder)  # Records why it cannot be read.
+    taken, waiting = _taken(_actions(root, positions), positions)
+    last = {action.entity: action for action in taken if action.entity not in waiting}
+    needed: set[_Action | None] = set(last.values())
+    for action in reversed(taken):
+        if action in needed:
+            needed.add(taken[action])
+    for action in taken:
+        if action in needed and (place := positions.read(action.position)):
+            positions.places[action.entity] = place
+    for entity in waiting:
+        positions.places.pop(entity, None)
+    for first, *_ in waiting.values():
+        positions.read(first.position)  # Records why it cannot be read.
 
 
-def _steps(root: Element, positions: Positions) -> list[_Step]:
+def _actions(root: Element, positions: Positions) -> list[_Action]:
     """Return all actions that place an entity, in order."""
     return [
-        _Step(private.get("entityRef"), holder, positions.reference(holder))
+        _Action(private.get("entityRef"), position, positions.reference(position))
         for private in root.all("Storyboard", "Init", "Actions", "Private")
-        for holder in private.all("PrivateAction", "TeleportAction", "Position")
+        for position in private.all("PrivateAction", "TeleportAction", "Position")
     ]
 
 
-def _needed(steps: Sequence[_Step]) -> list[_Step]:
-    """Return the actions that count, and replaced ones to which another entity's is relative; note the replaced."""
-    needed = dict.fromkeys(range(len(steps)), True)
-    placing: dict[str, list[int]] = {}
-    referring: dict[str, list[int]] = {}
-    for index, step in enumerate(steps):
-        placing.setdefault(step.name, []).append(index)
-        if step.reference != step.name:
-            referring.setdefault(step.reference, []).append(index)
-    for name, own in placing.items():
-        begins = [index for index in own if steps[index].reference != name]
-        for begin, end in pairwise([own[0], *(index for index in begins if index != own[0])]):
-            first = 0 if begin == own[0] else begin
-            is_used = any(first <= index < end for index in referring.get(name, ()))
-            for index in own:
-                if begin <= index < end:
-                    steps[index].holder.leave_out(
-                        f"{name[:40]!r} is placed again later, which counts"
-                    )
-                    needed[index] = is_used
-    return [step for index, step in enumerate(steps) if needed[index]]
+def _taken(
+    actions: Iterable[_Action], positions: Positions
+) -> tuple[dict[_Action, _Action | None], dict[str, list[_Action]]]:
+    """Return the actions in the order taken, and by entity those that still wait; note which are replaced.
 
+    With each comes the action that placed its reference.
+    """
+    taken: dict[_Action, _Action | None] = {}
+    last: dict[str, _Action] = {}
+    waiting: dict[str, list[_Action]] = {}
+    replaceable: dict[str, list[_Action]] = {}
 
-def _is_ready(step: _Step, waiting: Sequence[_Step], positions: Positions) -> bool:
-    """Return whether the place to which an action is relative is known, and does not wait to be replaced."""
-    if not step.reference:
-        return True
-    before = waiting[: waiting.index(step)] if step.reference == step.name else waiting
-    return step.reference in positions.places and all(one.name != step.reference for one in before)
+    def is_ready(action: _Action) -> bool:
+        if not action.reference:
+            return positions.can_read(action.position)
+        is_known = action.reference == action.entity or action.reference not in waiting
+        return is_known and action.reference in last
+
+    for action in actions:
+        if action.reference != action.entity:
+            waiting.pop(action.entity, None)
+            for replaced in replaceable.pop(action.entity, ()):
+                reason = f"{action.entity[:40]!r} is placed again later, which counts"
+                replaced.position.leave_out(reason)
+        replaceable.setdefault(action.entity, []).append(action)
+        waiting.setdefault(action.entity, []).append(action)
+        while ready := next((own[0] for own in waiting.values() if is_ready(own[0])), None):
+            waiting[ready.entity].remove(ready)
+            if not waiting[ready.entity]:
+                del waiting[ready.entity]
+            taken[ready] = last.get(ready.reference)
+            last[ready.entity] = ready
+    return taken, waiting
 
 
 def centre_of(name: str, entity: Element, positions: Positions) -> EntityPlace | None:

@@ -337,6 +337,9 @@ def test_the_last_of_several_starts_counts(tmp_path, places, split):
     assert all(one.startswith("line ") and ": Position: " in one for one in again)
 
 
+GEO = '<GeoPosition latitude="1" longitude="1"/>'
+
+
 def beside(name, dx):
     return f'<RelativeObjectPosition entityRef="{name}" dx="{dx}" dy="0"/>'
 
@@ -353,6 +356,33 @@ def beside(name, dx):
         ([("b", beside("a", 10)), ("b", lane(260)), ("a", lane(220))], {"a": 20, "b": 60}),
         ([("a", beside("a", 10)), ("a", lane(220)), ("b", lane(240))], {"a": 20, "b": 40}),
         ([("a", lane(5000)), ("a", lane(220)), ("b", beside("a", 10))], {"a": 20, "b": 30}),
+        ([("b", beside("a", 20)), ("a", lane(220)), ("a", lane(280))], {"a": 80, "b": 40}),
+        (
+            [("a", beside("c", 5)), ("b", beside("a", 20)), ("a", lane(220)), ("a", lane(280))],
+            {"a": 80, "b": 40},
+        ),
+        (
+            [("a", beside("a", 5)), ("b", beside("a", 20)), ("a", lane(220)), ("a", lane(280))],
+            {"a": 80, "b": 40},
+        ),
+        (
+            [("a", GEO), ("b", beside("a", 20)), ("a", lane(220)), ("a", lane(280))],
+            {"a": 80, "b": 40},
+        ),
+        (
+            [
+                ("b", beside("a", 20)),
+                ("a", beside("c", 10)),
+                ("a", lane(220)),
+                ("a", beside("b", 10)),
+                ("a", beside("b", 15)),
+            ],
+            {"a": 55, "b": 40},
+        ),
+        (
+            [("a", lane(5000)), ("b", beside("a", 5)), ("b", lane(230)), ("a", lane(220))],
+            {"a": 20, "b": 30},
+        ),
     ],
 )
 def test_starts_are_taken_in_order(places, ahead, tmp_path):
@@ -370,7 +400,7 @@ def test_two_starts_that_wait_for_each_other_are_named_as_the_cause(tmp_path):
 
 
 def test_a_last_start_that_cannot_be_read_is_not_replaced_by_an_earlier_one(tmp_path):
-    again = placed('<GeoPosition latitude="1" longitude="1"/>')
+    again = placed(GEO)
     text = cars().replace(
         "</Actions></Init>", f'<Private entityRef="a">{again}</Private></Actions></Init>'
     )

@@ -3,6 +3,7 @@
 import math
 
 import msgpack
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -11,7 +12,7 @@ from oodscen_carla.server._sensors import SensorSender, aimed
 from oodscen_carla.server._values import Transform
 
 from oodscen.driving._motion.bodies import GRAVITY
-from oodscen.protocols import Camera
+from oodscen.protocols import Camera, Frame
 from oodscen.testing import example_scene
 
 CAR, IMU, CAMERA = "vehicle.tesla.model3", "sensor.other.imu", "sensor.camera.rgb"
@@ -95,10 +96,10 @@ def test_a_crash_is_sent_with_its_impulse(served):
     assert impulse == pytest.approx([30_000.0, 0.0, 0.0], rel=0.02)
 
 
-@pytest.mark.parametrize("size", ["0", "-1", "4097", "x"])
+@pytest.mark.parametrize("size", ["0", "-1", "4097", "x", "800.5"])
 def test_a_picture_of_no_size_is_refused_in_words(served, size):
     message = served.error("spawn_actor", [1, CAMERA, [["image_size_x", 4, size]]], AHEAD)
-    assert "1 to 4096 pixels" in message or "must be numbers" in message
+    assert "1 to 4096 pixels" in message or "must be whole numbers" in message
 
 
 def ways(view) -> list[list[float]]:
@@ -120,10 +121,52 @@ def ways(view) -> list[list[float]]:
 )
 def test_a_camera_looks_where_it_is_turned_to(pitch, yaw, roll, is_mounted):
     place = Transform((0.0, 0.0, 0.0), (pitch, yaw, roll))
-    host = type("Level", (), {"place": Transform((0.0,) * 3, (0.0,) * 3)})
-    view = aimed(SIZE, (0.0,) * 4 if is_mounted else None, host, place, place, 0.0)
+    view = aimed(SIZE, place, place, (0.0,) * 4 if is_mounted else None, 0.0)
     for found, expected in zip(ways(view), matrix(place)[:3, :2].T.tolist(), strict=True):
         assert found == pytest.approx(expected, abs=1e-6)
+
+
+class Looking:
+    """A renderer that keeps the views it is asked for."""
+
+    def __init__(self) -> None:
+        self.views: list = []
+
+    def take(self, scene, seed, shown, view, *, has_host):
+        self.views.append(view)
+        frame = Frame(
+            rgb=np.zeros((600, 800, 3), np.uint8),
+            depth=np.ones((600, 800), np.float32),
+            ids=np.zeros((600, 800), np.int32),
+        )
+        return frame, np.zeros(len(shown) + 1, np.int32)
+
+
+def test_a_camera_on_what_a_tilted_vehicle_carries_is_tilted(served):
+    car = served.spawn(CAR, 100.0, 1.7)
+    served.world.actors[car].place = Transform((100.0, 1.7, 0.5), (20.0, 0.0, 0.0))
+    carried = attach(served, CAR, car, [[0.0, 0.0, 2.0], [0.0, 0.0, 0.0]])
+    camera = served.world.actors[attach(served, CAMERA, carried)]
+    renderer = Looking()
+    SensorSender(served.world, renderer, Heard()).sense()
+    expected = matrix(served.world.place_of(camera))[:3, :2].T
+    assert np.allclose(ways(renderer.views[0]), expected, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("tick", "step", "rate"),
+    [(0.12, 0.05, 1 / 0.12), (0.03, 0.02, 1 / 0.03), (0.1, 0.05, 10.0), (0.01, 0.05, 20.0)],
+)
+def test_a_sensor_sends_as_often_as_its_tick_asks(served, tick, step, rate):
+    car = served.spawn(CAR, 100.0, 1.7)
+    imu = served.world.actors[attach(served, IMU, car)]
+    imu.attributes["sensor_tick"] = str(tick)
+    streams = Heard()
+    sender = SensorSender(served.world, None, streams)
+    for index in range(601):
+        served.world.time = index * step
+        sender.sense()
+    assert len(streams.sent) == pytest.approx(600 * step * rate, abs=2)
 
 
 ROLES = ("ego", "Ego", "hero", "npc", "npc", "a26", "x" * 50, "", "default", "é", "-", "1")
