@@ -16,7 +16,7 @@ from oodscen.errors import MissingExtra, SimulatorError
 UNKNOWN_LANES = ("slipLane", "connectingRamp", "bus", "taxi", "HOV")
 """Types of driving lanes that netconvert would leave out."""
 _OPTIONS = ("--offset.disable-normalization", "true", "--no-turnarounds", "true")
-"""netconvert's options: coordinates stay as in the file, and nobody turns back where a road ends."""
+"""netconvert's options: coordinates stay as in the file, and no driver turns back where a road ends."""
 _TYPES = "<types>{}</types>"
 _TYPE = '<type id="{}" priority="1" speed="13.89"/>'
 """A kind of lane in netconvert's terms; the speed does not bind the drivers."""
