@@ -1,4 +1,4 @@
-"""File access: size-limited reading, atomic replacement, and names confined to a folder."""
+"""File access: size-limited reading, atomic replacement, names confined to a folder, and files that ship."""
 
 import errno
 import hashlib
@@ -8,6 +8,7 @@ import secrets
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from importlib import resources
 from pathlib import Path, PurePosixPath
 from socket import gethostname
 from tempfile import TemporaryDirectory
@@ -125,6 +126,11 @@ def read_utf8(path: str | Path, noun: str, *, limit: int = MAX_BYTES) -> str:
         place = len(content) - len(error.object) + error.start
         issue = Issue(f"line {line}", f"is not UTF-8 text: {error.reason} at byte {place}")
         raise DataError(noun, [issue], source=str(path)) from None
+
+
+def bundled(name: str, package: str) -> str:
+    """Return the content of a text file that ships with a package."""
+    return (resources.files(package) / name).read_text(encoding="utf-8")
 
 
 def _read(opened: int, limit: int) -> bytes:

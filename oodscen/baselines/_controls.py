@@ -15,8 +15,8 @@ from typing import Literal, overload
 from pydantic import Field
 
 from oodscen._arguments import checked
+from oodscen.baselines._bundled import Split, bundled_records
 from oodscen.baselines._off_topic import OffTopic, Part, off_topic_texts
-from oodscen.baselines._texts import Split, bundled_records
 from oodscen.data._base import Data
 from oodscen.errors import UsageError
 

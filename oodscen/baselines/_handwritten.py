@@ -16,8 +16,8 @@ from collections.abc import Mapping
 from functools import cache
 from types import MappingProxyType
 
+from oodscen._files import bundled
 from oodscen.baselines._baseline import Baseline
-from oodscen.baselines._texts import bundled
 
 _FILES = (
     "handwritten.txt",
@@ -47,7 +47,7 @@ def by_subject() -> Mapping[str, tuple[str, ...]]:
     texts: dict[str, list[str]] = {}
     for name in _FILES:
         subject = ""
-        for line in bundled(name).splitlines():
+        for line in bundled(name, "oodscen.baselines").splitlines():
             if line.startswith("# "):
                 subject = line[2:]
             elif line:

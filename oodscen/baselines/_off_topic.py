@@ -12,7 +12,7 @@ from typing import Literal, TypeAlias
 
 from pydantic import Field
 
-from oodscen.baselines._texts import Split, bundled_records
+from oodscen.baselines._bundled import Split, bundled_records
 from oodscen.data._base import Data
 
 Part: TypeAlias = Split | Literal["blind"]

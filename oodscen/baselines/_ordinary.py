@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
+from oodscen._files import bundled
 from oodscen._seeding import stream
 from oodscen.baselines._baseline import Baseline
 from oodscen.baselines._handwritten import handwritten_driving
-from oodscen.baselines._texts import bundled
 from oodscen.errors import UsageError
 
 _SIZE = 2000
@@ -163,7 +163,7 @@ class _Text:
 
 @cache
 def _rules() -> dict[str, Any]:
-    return tomllib.loads(bundled("ordinary.toml"))
+    return tomllib.loads(bundled("ordinary.toml", "oodscen.baselines"))
 
 
 def _suits(situation: Mapping[str, Any], tags: Sequence[str]) -> bool:

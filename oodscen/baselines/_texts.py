@@ -1,10 +1,7 @@
-"""Checks of texts, and texts that ship with the package."""
+"""Checks of texts."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
-from importlib import resources
-from typing import Literal, TypeVar
 
-from oodscen.data._base import Data
 from oodscen.data._scenario import Scenario
 from oodscen.errors import DataError, Issue
 
@@ -13,31 +10,17 @@ MAX_CHARACTERS = 1_000_000
 
 _MOST_ISSUES = 20
 
-Split = Literal["tune", "frozen"]
-"""Half of a set of texts: to choose settings, or to report results."""
-Bundled = TypeVar("Bundled", bound=Data)
-
-
-def bundled(name: str, package: str = "oodscen.baselines") -> str:
-    """Return the content of a text file that ships with a package."""
-    return (resources.files(package) / name).read_text(encoding="utf-8")
-
-
-def bundled_records(kind: type[Bundled], name: str) -> tuple[Bundled, ...]:
-    """Return the records of a file of JSON lines that ships with this package."""
-    lines = bundled(name).rstrip("\n").split("\n")
-    return tuple(kind.parse(line, source=name) for line in lines)
-
 
 def check_texts(texts: Sequence[str | Scenario], noun: str = "text set") -> tuple[str, ...]:
-    """Return the texts as strings, after checking that none is blank.
+    """Return the texts as strings, after checking each with `fault_of`.
 
     Raises:
-        DataError: If there is none; otherwise with one issue per text that is not a string, blank, or
-            not valid Unicode.
+        DataError: If the texts are no sequence or there is none; otherwise with an issue for each text
+            that is no string, is blank or too long, holds a NUL character, or is not valid Unicode.
     """
-    if isinstance(texts, str | bytes):
-        raise DataError(noun, [Issue("", "is one string, not a sequence of texts")])
+    for kind, one in ((str, "string"), (bytes, "bytes object"), (Scenario, "scenario")):
+        if isinstance(texts, kind):
+            raise DataError(noun, [Issue("", f"is one {one}, not a sequence of texts")])
     is_ordered = isinstance(texts, Iterable) and not isinstance(texts, Iterator | Mapping | Set)
     if not is_ordered or getattr(texts, "ndim", 1) != 1:
         fault = f"is {type(texts).__name__}, not a sequence of texts"

@@ -6,14 +6,21 @@ from collections.abc import Iterable
 from oodscen.claims._things import plural_of
 
 _AFTER_WEATHER = "storms?|showers?|clouds?|banks?|falls?|covers?|spells?|fronts?|that|which|just|finally|already|now"
+_DETERMINER = "the|an?|every|each|its|this|these|those|our|their|his|her|several|many|most"
+_ON_ROADS = "(?:road|street|lane|bridge|pavement|roof|tree|sign|car|lorr|truck|bus|train|driver|cyclist)(?:s|es|ies)|traffic|everything|everyone"
+_AGO = r"(?: [\w-]+){1,3} (?:ago|before|earlier)\b"
+_WITHOUT_OBJECT = rf"(?:(?={_AGO})|(?! (?:{_DETERMINER}|{_ON_ROADS})\b))"
+"""Matches where no object of a verb follows, such as `the road` or `traffic`; `a while ago` is none."""
 _ENDED = re.compile(
     rf"^ (?:(?:{_AFTER_WEATHER}) )?(?:has|have|had) (?:just |finally |already |now )?"
-    r"(?:stopped|ceased|ended|passed|lifted|cleared|gone|let up)\b"
-    r"|^ (?:stopped|ceased|(?:is|are) (?:over|gone)|earlier|of the (?:night|day) before|warning|forecast)\b",
+    rf"(?:stopped\b{_WITHOUT_OBJECT}|ceased|ended|passed|lifted|cleared|gone(?! on\b)|let up)\b"
+    rf"|^ (?:stopped\b{_WITHOUT_OBJECT}|ceased|(?:is|are) (?:just |finally |already |now )?(?:over|gone)|earlier"
+    r"|of the (?:night|day) before|warning|forecast)\b",
     re.IGNORECASE,
 )
 _USED_IN_WEATHER = re.compile(
-    r"^[ -](?:t[iy]res?|coats?|boots|ploughs?|plows?|chains?|blowers?|fences?|lamps?|lights?(?! up)|horns?)\b",
+    rf"^[ -](?:t[iy]res?|boots|ploughs?|plows?|chains?|blowers?|lamps?|horns?"
+    rf"|(?:coats?|fences?|lights?)\b(?! up){_WITHOUT_OBJECT})\b",
     re.IGNORECASE,
 )
 _OBJECTS = "barrels? butts? jackets? gauges? ponchos? lamp shifts? clubs? express".split()

@@ -25,8 +25,8 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import linprog
 
+from oodscen._files import bundled
 from oodscen.baselines import load_controls
-from oodscen.baselines._texts import bundled
 from oodscen.encoders._all_minilm import all_minilm
 from oodscen.encoders._cached import CachedEncoder, cache_folder
 from oodscen.encoders._check import encode
@@ -85,7 +85,11 @@ class Rated(NamedTuple):
 def rated(folder: Path) -> Rated:
     """Read ratings and the texts written for the head; several draws of a text are averaged."""
     known = {text.text for split in ("tune", "frozen") for text in load_controls(split)}
-    parts = {line: name for name in _PARTS for line in bundled(f"{name}.txt").splitlines()}
+    parts = {
+        line: name
+        for name in _PARTS
+        for line in bundled(f"{name}.txt", "oodscen.baselines").splitlines()
+    }
     draws: dict[str, list[float]] = {}
     origin: dict[str, str] = {}
     of: dict[str, str] = {}

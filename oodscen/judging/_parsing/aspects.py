@@ -7,7 +7,14 @@ from typing import Any
 
 from oodscen._prose import fold, is_refusal
 from oodscen.judging._parsing.confidence import CONFIDENT, confidence_in, one_probability
-from oodscen.judging._parsing.denials import DENIAL, NAME, ODD, clauses_said, plain_words
+from oodscen.judging._parsing.denials import (
+    ODD,
+    denies_what_is_odd,
+    goes_with_no,
+    goes_with_yes,
+    plain_words,
+    says_nothing,
+)
 from oodscen.judging._parsing.members import CONFIDENCE, is_placeholder, members, words_in
 from oodscen.judging._parsing.reading import ParsedAnswer, Question, read
 from oodscen.judging._parsing.reasons import is_against
@@ -30,17 +37,26 @@ _DETECTION = re.compile(f"{_IS_OOD.pattern}|{_ASPECT.pattern}|{CONFIDENCE.patter
 
 _LABELLED = re.compile(r"\baspect ?[:=] ?([^\n]*\w[^\n]*)", re.IGNORECASE)
 """Matches the label "aspect" in prose, and what follows it in its line."""
-_MERE_YES = re.compile(r"\W*(?:(?:yes|true|1)[\s.!]*\Z|true ?[,.:;!])", re.IGNORECASE)
+_SURELY = "(?:definite|certain|clear|sure|absolute|obvious|undoubted|probab|tru)ly"
+_AFFIRMATION = (
+    rf"(?:yes|yeah|yep|true|1|indeed|correct|sure|of course|(?:most |very )?{_SURELY}"
+    rf"|(?:it|this|that|there) (?:{_SURELY} )?(?:is|are|does)|i (?:do )?(?:think|believe|would say) so)"
+)
+_MERE_YES = re.compile(
+    rf"\W*(?:{_AFFIRMATION}(?:[\s,.!]+{_AFFIRMATION})*[\s.!]*\Z|true ?[,.:;!])", re.IGNORECASE
+)
 """Matches what names no aspect, though it may stand in the place of one."""
 _LAST_CONFIDENCE = re.compile(
     rf"[\s.,;:(\u2013\u2014-]{{0,4}}(?:{CONFIDENT.pattern})[\s.)]{{0,4}}\Z", re.IGNORECASE
 )
 """Matches a confidence that ends prose, with the marks around it."""
 _LEAD = re.compile(
-    r"\A\W*(?:the (?:main |one )?(?:ood|unusual|most unusual) (?:aspect|thing) is:? |yes\b\W*)",
+    r"\A\W*(?:the (?:main |one )?(?:ood|unusual|most unusual) (?:aspect|thing) is:? "
+    rf"|{ODD} ?[:?] ?(?=yes\b))",
     re.IGNORECASE,
 )
 """Matches what may lead to the name of an aspect in prose."""
+_LEADING_YES = re.compile(r"\A\W*yes[\s,.:;!\u2013\u2014-]+(?=\S)", re.IGNORECASE)
 _MARKED = re.compile(
     rf"\b(?<!not )(?:(?:is )?(?:{ODD}|anomaly)|answer|verdict) ?\??(?: is)? ?[:=?] ?(yes|no|true|false)\b"
     r"(?= ?(?:[.,;:!()\n\u2013\u2014-]|$))(?!,? (?:or|not)\b)"
@@ -96,15 +112,7 @@ def read_named_aspect(text: str) -> ParsedAnswer[str]:
 
 def names_nothing(aspect: str) -> bool:
     """Return whether an aspect is empty or says that there is none."""
-    return _says_nothing(aspect) is True
-
-
-def _says_nothing(aspect: str) -> bool | None:
-    """Return whether the words of an aspect say that there is none; `None` if that is open."""
-    said = clauses_said(plain_words(aspect))
-    if not said or DENIAL.fullmatch(said):
-        return True
-    return False if NAME.fullmatch(said) else None
+    return says_nothing(plain_words(aspect)) is True
 
 
 def _disowns(reasons: str, _: object) -> bool:
@@ -138,7 +146,7 @@ def _words_of_aspect(value: Mapping[str, Any]) -> str:
         raise UnusableError(TWO_ANSWERS)
     if not aspects:
         return ""
-    words = names.pop() if names else ""
+    words = _without_yes(names.pop()) if names else ""
     _check_name(words)
     return words
 
@@ -149,8 +157,7 @@ def _aspects(value: Mapping[str, Any]) -> list[str]:
 
 def _goes_with_no(aspect: str) -> bool:
     """Return whether words of an aspect add nothing to an answer of no."""
-    said = clauses_said(plain_words(aspect))
-    return is_placeholder(aspect) or DENIAL.fullmatch(f"-{said}") is not None
+    return is_placeholder(aspect) or goes_with_no(plain_words(aspect))
 
 
 def _pick_name(value: Mapping[str, Any]) -> str | None:
@@ -165,13 +172,19 @@ def _pick_name(value: Mapping[str, Any]) -> str | None:
 
 def _name_or_nothing(words: str) -> str:
     """Return the name of an aspect; empty if the words say that there is none."""
+    words = _without_yes(words)
     _check_name(words)
-    says_nothing = _says_nothing(words)
-    if says_nothing is None:
+    is_nothing = says_nothing(plain_words(words))
+    if is_nothing is None:
         raise UnusableError(
             f"{words[:80]!r} neither names an aspect nor says plainly that there is none"
         )
-    return "" if says_nothing else words
+    return "" if is_nothing else words
+
+
+def _without_yes(words: str) -> str:
+    """Return words without the "yes" that leads to the name of an aspect."""
+    return _LEADING_YES.sub("", words)
 
 
 def _check_name(words: str) -> None:
@@ -206,12 +219,11 @@ def _detected_in_prose(prose: str) -> Detected | None:
     if _declines(prose):
         return None
     if opening is None:
-        said = clauses_said(plain)
-        is_plain = DENIAL.fullmatch(said) and "-" in said and "?" not in plain
+        is_plain = "?" not in plain and denies_what_is_odd(plain)
         return _detected(False, "", prose) if is_plain else None
     is_ood = _TRUTHS[opening[1]]
-    said = clauses_said(plain[opening.end() :])
-    if re.search("[-0?]", said) if is_ood else not DENIAL.fullmatch(f"-{said}"):
+    goes_with_answer = goes_with_yes if is_ood else goes_with_no
+    if not goes_with_answer(plain[opening.end() :]):
         raise UnusableError("what follows yes or no does not go with it")
     aspect = _aspect_after_yes(answer) if is_ood else ""
     return _detected(is_ood, aspect, prose)
@@ -241,6 +253,8 @@ def _aspect_after_yes(prose: str) -> str:
     aspect = _labelled(prose)
     if aspect is None:
         rest = CONFIDENT.sub("", re.sub(r"\A\W*\w+\W*", "", prose, count=1))
+        if _MERE_YES.match(rest):
+            return ""
         _check_short(rest)
         aspect = rest.strip(" \n.,:;!()\u2014\u2013-") if re.search(r"[^\W\d_]", rest) else ""
         aspect += ")" * (aspect.count("(") > aspect.count(")"))

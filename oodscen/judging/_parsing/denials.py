@@ -52,7 +52,31 @@ def plain_words(words: str) -> str:
     return re.sub(r"\b(it|that|there|\w+thing)'s\b", r"\1 is", plain)
 
 
-def clauses_said(plain: str) -> str:
+def says_nothing(plain: str) -> bool | None:
+    """Return whether plain words say that there is no aspect; `None` if that is open."""
+    said = _clauses_said(plain)
+    if not said or _DENIAL.fullmatch(said):
+        return True
+    return False if _NAME.fullmatch(said) else None
+
+
+def denies_what_is_odd(plain: str) -> bool:
+    """Return whether plain words name no aspect, and a clause denies what is odd."""
+    said = _clauses_said(plain)
+    return "-" in said and _DENIAL.fullmatch(said) is not None
+
+
+def goes_with_no(plain: str) -> bool:
+    """Return whether plain words add nothing to an answer of no."""
+    return _DENIAL.fullmatch(f"-{_clauses_said(plain)}") is not None
+
+
+def goes_with_yes(plain: str) -> bool:
+    """Return whether no clause of plain words takes an answer of yes back or leaves it open."""
+    return not re.search("[-0?]", _clauses_said(plain))
+
+
+def _clauses_said(plain: str) -> str:
     """Return what the clauses of plain words say, one letter each.
 
     Nothing is odd (`-`), there is nothing, or the scene is clear (`0`), a thing is not there that may be (`d`) or should
@@ -92,7 +116,7 @@ _CLAUSES = re.compile(
 )
 """Matches what stands between clauses, which the commas of "no deer, dogs or cows" and "a road, with cars" do not."""
 _FILLER = re.compile(
-    r"\A\W*(?:nil|null|false|n/?a|not applicable|unknown)(?=\W*\Z| ?[(,.;:\u2013\u2014-]| (?:here|in|for)\b)"
+    r"\A\W*(?:nil|null|false|n/?a|not applicable|unknown|undefined|nope|nah|zero|absent|empty)(?!-\w)(?=\W*\Z| ?[(,.;:\u2013\u2014-]| (?:here|in|for)\b)"
 )
 """Matches what fills the place of an aspect, as "none" does."""
 _KNOWN = (
@@ -114,7 +138,7 @@ _UNKNOWN = (
     ("x", re.compile("")),
 )
 """The forms of a clause with unknown words."""
-DENIAL = re.compile(r"[d.]*[-0][-0d.]*")
+_DENIAL = re.compile(r"[d.]*[-0][-0d.]*")
 """Matches what clauses say of which none names an aspect, and one says that there is none."""
-NAME = re.compile(r"[.o+]*(?:[xv].*|a[^-0]*)|[.o]+")
+_NAME = re.compile(r"[.o+]*(?:[xv].*|a[^-0]*)|[.o]+")
 """Matches what clauses say that name an aspect; a denial behind the name of a thing denies nothing of it."""

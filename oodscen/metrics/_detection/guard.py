@@ -22,9 +22,9 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._files import bundled
 from oodscen.baselines._off_topic import off_topic_texts
 from oodscen.baselines._ordinary import ordinary_driving
-from oodscen.baselines._texts import bundled
 from oodscen.data._base import Data
 from oodscen.encoders._similarity import Vectors, largest
 from oodscen.metrics._detection.detectors import DECIMALS, Encode

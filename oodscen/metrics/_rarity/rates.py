@@ -11,10 +11,9 @@ from pydantic import Field, model_validator
 
 from oodscen._arguments import instances_of
 from oodscen._display import cut
-from oodscen._files import read_utf8
+from oodscen._files import bundled, read_utf8
 from oodscen._text import folded_words
 from oodscen._toml import parse_toml
-from oodscen.baselines._texts import bundled
 from oodscen.data._base import Data
 from oodscen.errors import DataError, Issue
 

@@ -233,6 +233,24 @@ def test_weather_goes_on_when_others_stop_in_it(weather, rest):
     assert kept not in told(f"The {weather} has cleared.")
 
 
+@pytest.mark.parametrize("weather", ["thick fog", "heavy rain", "heavy snow"])
+def test_weather_that_acts_on_others_or_goes_on_is_claimed(weather):
+    kept = f"weather {weather.replace(' ', '_')}"
+    for acts in (
+        "coats the road",
+        "coats roads and trees",
+        "lights a lorry from behind",
+        "has stopped a bus ahead",
+        "has stopped traffic on the motorway",
+        "stopped the traffic",
+        "stops a bus",
+        "has gone on for hours",
+    ):
+        assert kept in told(f"{weather.capitalize()} {acts}.")
+    for over in ("is finally over", "stopped a while ago", "has stopped", "has gone", "stops"):
+        assert kept not in told(f"The {weather} {over}.")
+
+
 @pytest.mark.parametrize("several", ["buses", "taxis", "trams", "guards", "patrols", "watchmen"])
 def test_several_are_named_after_an_hour_unless_they_act_in_it(several):
     assert "time night" not in told(f"The ego meets night {several} in the city.")

@@ -201,9 +201,27 @@ def test_weather_in_which_others_stop_is_named(said, event):
     st.sampled_from(sorted(WEATHER)),
     st.sampled_from(
         [
+            "{} coats the road",
+            "{} lights a lorry from behind",
+            "{} has stopped the traffic",
+            "{} stopped a bus",
+            "{} has gone on for hours",
+        ]
+    ),
+)
+def test_weather_that_acts_or_goes_on_is_named(said, wording):
+    assert names_aspect(wording.format(said), ("OOD", WEATHER[said]))
+
+
+@given(
+    st.sampled_from(sorted(WEATHER)),
+    st.sampled_from(
+        [
             "the {} has cleared",
             "the {} is gone",
             "{} has just stopped",
+            "the {} stopped a while ago",
+            "the {} is finally over",
             "a {} plough",
             "the {}-lamps of a car",
         ]

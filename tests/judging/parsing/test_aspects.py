@@ -461,3 +461,44 @@ def test_a_yes_without_an_aspect_is_noted_in_every_form(said):
 @pytest.mark.parametrize("said", ["null", "Aspect: null", '{"aspect": "null"}'])
 def test_null_names_no_aspect(said):
     assert read_named_aspect(said).value == ""
+
+
+@pytest.mark.parametrize(
+    "said", ["Nope.", "Nah", "undefined", "Zero", "Absent.", "Empty", "Nope, nothing unusual."]
+)
+def test_a_plain_no_names_no_aspect(said):
+    assert read_named_aspect(said).value == ""
+    assert "beside the aspect" in read_aspect(json.dumps({"is_ood": True, "aspect": said})).note
+
+
+def test_a_plain_no_before_other_words_may_begin_a_name():
+    for said in ("Zero-visibility fog", "Absent road markings", "Empty truck on its side"):
+        assert read_named_aspect(said).value == said
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        "definitely",
+        "indeed",
+        "it is",
+        "there is",
+        "I think so",
+        "there clearly is, indeed",
+        "sure!",
+    ],
+)
+def test_words_that_only_affirm_are_no_aspect(more):
+    read = read_aspect(f"Yes, {more}.")
+    assert read.value == Detected(True)
+    assert "true without an aspect" in read.note
+    for said in (f"Yes, {more}.", more, json.dumps({"aspect": more})):
+        assert read_named_aspect(said).outcome == "unparsed"
+
+
+@pytest.mark.parametrize("yes", ["Yes, ", "yes - ", "YES: "])
+def test_a_yes_before_an_aspect_is_dropped_in_every_form(yes):
+    for said in ("{}a deer", "Answer: {}a deer", "Unusual: {}a deer.", '{{"aspect": "{}a deer"}}'):
+        assert read_named_aspect(said.format(yes)).value == "a deer"
+    found = read_aspect(json.dumps({"is_ood": True, "aspect": f"{yes}a deer"})).value
+    assert found == Detected(True, "a deer")
