@@ -113,8 +113,7 @@ def test_what_names_no_aspect_is_told_apart(said, outcome):
 
 ABSENT = (
     "No driver in the car", "No lights on the lorry", "None of the traffic lights work", "No road markings",
-    "Nothing holds the load", "There is no driver in the car", "No wheels on an ordinary car",
-    "Nobody at the wheel", "Intersection without functioning lights", "Tail lights not working",
+    "There is no driver in the car", "No wheels on an ordinary car", "Intersection without functioning lights", "Tail lights not working",
 )  # fmt: skip
 NOTHING = (
     "There is nothing unusual", "There is no OOD aspect", "Everything looks normal", "Nothing stands out", "I see nothing",
@@ -139,6 +138,7 @@ OPEN = (
     "I can't see much", "Nothing unusual, a deer", "Nothing blocks the road", "No unusual lights on the car",
     "No problem: a deer is on the road", "Everything looks normal, with a deer",
     "No deer on the road", "This is not normal", "An ordinary car drives the wrong way", "No one is driving", "A lorry drives as usual",
+    "Nothing holds the load", "Nobody at the wheel", "Weather", "There is", "I am not sure whether anything is unusual",
 )  # fmt: skip
 
 
@@ -156,6 +156,11 @@ def test_what_neither_names_nor_denies_plainly_is_asked_again(said: str) -> None
         assert read_named_aspect(one).outcome == "unparsed"
     for one in (said, json.dumps({"is_ood": True, "aspect": said})):
         assert read_aspect(one).outcome == "unparsed"
+
+
+def test_a_long_aspect_names_a_thing() -> None:
+    said = f"a deer {'on the left of the road ' * 60}"
+    assert read_named_aspect(json.dumps({"aspect": said})).value == said.strip()
 
 
 @given(
