@@ -38,7 +38,7 @@ class Kind(Enum):
     TOPIC = _TOPIC
     """General words for things; if they are denied, nothing is odd: "no hazards", "not anything"."""
     ORDINARY = "(?:normal|ordinary|usual|typical|routine|regular|standard)(?:ly)?|ordinarily|as expected|(?:with)?in (?:the )?distribution"
-    CLEAR = rf"clear(?! (?:(?:road|traffic|vehicle) )?(?:{ODD}|{_TOPIC})\b)|fine|dry|quiet|good|ok|okay|smooth(?:ly)?"
+    CLEAR = rf"(?:clear|fine|dry|quiet|good|ok|okay|smooth(?:ly)?)(?! (?:(?:visible|apparent|road|traffic|vehicle) )?(?:{ODD}|{_TOPIC})\b)"
     SCENE = (
         "(?:image|picture|photo|frame|view|video|sequence|scene|scenario|situation|drive|road|street|traffic|highway|motorway|lane"
         "|intersection|junction|weather|condition|environment|setting)s?|it|this"
@@ -51,7 +51,7 @@ class Kind(Enum):
         r"|apparent|happening|occurring|going on|flow(?:s|ing)?|mov(?:es?|ing)|behav(?:es?|ing)|driv(?:es|ing)|i|we|they|there|here|that"
         r"|these|those|which|both|every|any|some|other|few|several|like|as|just|only|quite|very|so|now|far|ahead|around|nearby|else|urban"
         r"|suburban|rural|city|residential|daytime|light(?= traffic)|given|considered|(?:sign|trace|indication|evidence|presence)s? of"
-        r"|clear|\w{4,}ly"
+        r"|\w{4,}ly"
     )
     """Words that tell nothing."""
     OTHER = r"[\w']+"
@@ -170,8 +170,8 @@ def _said_with_denial(clause: Clause) -> Said:
         return Said.THING
     if clause.denial is Kind.NOT:
         return Said.OPEN
-    is_of_nothing = clause.denial is Kind.NOTHING or Kind.SCENE not in behind
-    return Said.NOTHING if is_of_nothing and Kind.VEHICLE not in behind else Said.HARMLESS
+    is_of_all = clause.denial is Kind.NOTHING or not (Kind.TOPIC in before or Kind.SCENE in behind)
+    return Said.NOTHING if is_of_all and Kind.VEHICLE not in behind else Said.HARMLESS
 
 
 def _said_of_a_thing(clause: Clause) -> Said:
@@ -200,7 +200,8 @@ def _begins_with(kind: Kind, denied: Sequence[Kind]) -> bool:
         return False
     ahead = (one for one in denied[: denied.index(kind)] if one not in (Kind.FILLER, Kind.ODD))
     attributes = list(dropwhile(lambda one: one is Kind.LINK, ahead))
-    return {Kind.SCENE, Kind.VEHICLE}.issuperset(attributes[1:])
+    of_known = attributes[1:] if attributes[:1] == [Kind.OTHER] else attributes
+    return {Kind.SCENE, Kind.VEHICLE}.issuperset(of_known)
 
 
 def _calls_ordinary(kinds: Sequence[Kind]) -> bool:

@@ -131,6 +131,7 @@ NOTHING = (
 
 NAMED = (
     "Northbound truck parked across both lanes", "Noise barrier fallen on the road", "November snow on the road", "A truck in both lanes",
+    "A smooth object on the road", "Clear visible hazard on the road",
     "Pedestrian crossing where no crossing is expected", "It is not normal: a cow on the road",
 )  # fmt: skip
 OPEN = (
