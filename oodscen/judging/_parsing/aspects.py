@@ -134,7 +134,8 @@ def _pick_detection(value: Mapping[str, Any]) -> Detected | None:
         aspect = _words_of_aspect(value)
         beside = None if aspect and _name_or_nothing(aspect) else aspect
         return Detected(True, aspect, confidence, beside)
-    thing = next((words for words in _aspects(value) if not _goes_with_no(words)), None)
+    named = (words for words in _aspects(value) if not is_placeholder(words))
+    thing = next((words for words in named if not goes_with_no(plain_words(words))), None)
     return Detected(False, "", confidence, thing)
 
 
@@ -153,11 +154,6 @@ def _words_of_aspect(value: Mapping[str, Any]) -> str:
 
 def _aspects(value: Mapping[str, Any]) -> list[str]:
     return [words for member in members(value, _ASPECT) if (words := words_in(member))]
-
-
-def _goes_with_no(aspect: str) -> bool:
-    """Return whether words of an aspect add nothing to an answer of no."""
-    return is_placeholder(aspect) or goes_with_no(plain_words(aspect))
 
 
 def _pick_name(value: Mapping[str, Any]) -> str | None:
@@ -222,8 +218,7 @@ def _detected_in_prose(prose: str) -> Detected | None:
         is_plain = "?" not in plain and denies_what_is_odd(plain)
         return _detected(False, "", prose) if is_plain else None
     is_ood = _TRUTHS[opening[1]]
-    goes_with_answer = goes_with_yes if is_ood else goes_with_no
-    if not goes_with_answer(plain[opening.end() :]):
+    if not (goes_with_yes if is_ood else goes_with_no)(plain[opening.end() :]):
         raise UnusableError("what follows yes or no does not go with it")
     aspect = _aspect_after_yes(answer) if is_ood else ""
     return _detected(is_ood, aspect, prose)

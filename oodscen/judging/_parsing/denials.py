@@ -1,11 +1,14 @@
 """Tells words that name an aspect from words that say that there is none.
 
-Every word is of a kind, and the kinds of a clause tell what it says. A clause of known words alone denies what is odd,
-or calls something ordinary. One with other words names a thing ("a truck without lights"), unless a denial or an
-ordinary word comes first: "I see no trucks" names none, and what it says is open.
+The kinds of a clause's words tell what it says, and what the clauses say tells whether they name an aspect. What is
+said neither way in plain words is open: then the model is asked again.
 """
 
 import re
+from collections.abc import Sequence
+from enum import Enum
+from itertools import dropwhile
+from typing import NamedTuple
 
 from oodscen._prose import fold, tidy
 
@@ -13,36 +16,87 @@ ODD = (
     r"(?:unusual|out of the ordinary|abnormal|anomalous|strange|odd|weird|out of place|out of distribution|ood"
     r"|remarkable|notable|noteworthy|of (?:note|interest)|special|suspicious|concerning|wrong(?! way)|amiss)"
 )
-_KINDS = {
-    "p": r"drivers?(?:'s)?|riders?|(?:(?:head|tail|brake|traffic|street) ?)?lights|(?:traffic|street|brake) (?:light|signal)|markings?|lines"
-    r"|signs?(?! of\b)|signals|wheels?|t[iy]res?|barriers?|guard ?rails?|(?:hold|secure|support|mark|protect|separate|cover)s",
-    "n": r"not(?! (?:all|every)\w*)|never|neither|(?:hard|bare|scarce|rare)ly|far from|anything but|no longer|free (?:of|from)|lacks?",
-    "z": "nothing",
-    "y": "no|none|without",
-    "q": "nobody|no one",
-    "O": rf"{ODD}|(?:abnormal|unusual|strange|odd)ly|unexpected|to (?:report|note|mention)|worth (?:noting|mentioning)",
-    "T": r"(?:any|some|every)thing|all|(?:aspect|thing|object|element|feature|event|detail|part|obstacle|obstruction|problem|issue|concern"
-    r"|behaviou?r|danger|threat|hazard(?! (?:warning )?(?:light|triangle)s?\b))s?|(?:anomal|abnormalit|irregularit|activit)(?:y|ies)|stands? out|deviat(?:ions?|es?)(?: from (?:the )?\w+)?",
-    "N": "(?:normal|ordinary|usual|typical|routine|regular|standard)(?:ly)?|ordinarily|as expected|(?:with)?in (?:the )?distribution",
-    "w": "fine|clear|dry|quiet|good|ok|okay|smooth(?:ly)?",
-    "S": "(?:image|picture|photo|frame|view|video|sequence|scene|scenario|situation|drive|road|street|traffic|highway|motorway|lane|intersection"
-    "|junction|weather|condition|environment|setting)s?|it|this",
-    "V": "(?:car|vehicle)s?",
-    "r": "n?or",
-    "a": "an?|the|than|otherwise|in|on|about|with|of|at|to|for|from|along|through",
-    "f": r"am|is|are|was|were|be|been|being|has|have|had|do|does|did|can|could|would|seems?|appears?|looks?|shows?|shown|showing|contains?|depicts?|includes?"
-    r"|see|seen|notice[ds]?|found|(?:find|detect|spot|observe|report)(?:s|e?d)?|identif(?:y|ied)|present|visible|apparent|happening|occurring|going on"
-    r"|flow(?:s|ing)?|mov(?:es?|ing)|behav(?:es?|ing)|driv(?:es|ing)|i|we|they|there|here|that|these|those|which|both|every|any|some|other|few|several"
-    r"|like|as|just|only|quite|very|so|now|far|ahead|around|urban|suburban|rural|city|residential|daytime|light(?= traffic)"
-    r"|given|considered|(?:sign|trace|indication|evidence|presence)s? of|\w{4,}ly",
-    "x": r"[\w']+",
-}
-"""The words of every kind: what should be there (`p`: a driver, what "holds" a load), denials (`n`, `z`, `y`, `q`), odd
-ones, those odd unless denied, ordinary ones (`N`, and `w`, about the scene only), the scene, cars, "or", articles and
-prepositions, others that tell nothing, and unknown ones."""
-_WORD = re.compile(
-    "|".join(rf"(?P<{kind}>(?<![\w'])(?:{words})(?![\w']))" for kind, words in _KINDS.items())
+_TOPIC = (
+    r"(?:(?:any|some|every)thing|all|(?:aspect|thing|object|element|feature|event|detail|part|obstacle|obstruction|problem|issue|concern"
+    r"|behaviou?r|danger|threat|hazard(?! (?:warning )?(?:light|triangle)s?\b))s?|(?:anomal|abnormalit|irregularit|activit)(?:y|ies)"
+    r"|stands? out|deviat(?:ions?|es?)(?: from (?:the )?\w+)?)"
 )
+
+
+class Kind(Enum):
+    """The kinds of words, each with what matches them; the first one that fits counts."""
+
+    PART = (
+        r"drivers?|riders?|(?:(?:head|tail|brake|traffic|street) ?)?lights|(?:traffic|street|brake) (?:light|signal)|markings?|lines"
+        r"|signs?(?! of\b)|signals|wheels?|t[iy]res?|barriers?|guard ?rails?|(?:hold|secure|support|mark|protect|separate|cover)s"
+    )
+    """Things that should be there, a driver or what "holds" a load."""
+    NOTHING = "nothing|none(?! of the)"
+    NO = "no(?! one| longer)|none|without"
+    NOT = r"not(?! (?:all|every)\w*)|never|neither|(?:hard|bare|scarce|rare)ly|far from|no longer|free (?:of|from)|lacks?|nobody|no one"
+    ODD = rf"{ODD}|(?:abnormal|unusual|strange|odd)ly|unexpected|to (?:report|note|mention)|worth (?:noting|mentioning)"
+    TOPIC = _TOPIC
+    """General words for things; if they are denied, nothing is odd: "no hazards", "not anything"."""
+    ORDINARY = "(?:normal|ordinary|usual|typical|routine|regular|standard)(?:ly)?|ordinarily|as expected|(?:with)?in (?:the )?distribution"
+    CLEAR = rf"(?:clear|fine|dry|quiet|good|ok|okay|smooth(?:ly)?)(?! (?:(?:visible|apparent|road|traffic|vehicle) )?(?:{ODD}|{_TOPIC})\b)"
+    SCENE = (
+        "(?:image|picture|photo|frame|view|video|sequence|scene|scenario|situation|drive|road|street|traffic|highway|motorway|lane"
+        "|intersection|junction|weather|condition|environment|setting)s?|it|this"
+    )
+    VEHICLE = "(?:car|vehicle)s?"
+    LINK = "an?|the|than|n?or|otherwise|in|on|about|with|of|at|to|for|from|along|through|near"
+    FILLER = (
+        r"am|is|are|was|were|be|been|being|has|have|had|do|does|did|can|could|would|seems?|appears?|looks?|shows?|shown|showing|contains?"
+        r"|depicts?|includes?|see|seen|notice[ds]?|found|(?:find|detect|spot|observe|report)(?:s|e?d)?|identif(?:y|ied)|present|visible"
+        r"|apparent|happening|occurring|going on|flow(?:s|ing)?|mov(?:es?|ing)|behav(?:es?|ing)|driv(?:es|ing)|i|we|they|there|here|that"
+        r"|these|those|which|both|every|any|some|other|few|several|like|as|just|only|quite|very|so|now|far|ahead|around|nearby|else|urban"
+        r"|suburban|rural|city|residential|daytime|light(?= traffic)|given|considered|(?:sign|trace|indication|evidence|presence)s? of"
+        r"|\w{4,}ly"
+    )
+    """Words that tell nothing."""
+    OTHER = r"[\w']+"
+
+
+class Said(Enum):
+    """The things that a clause may say, with examples."""
+
+    NOTHING_ODD = "no hazards; all is ordinary"
+    NOTHING = "none; the road is clear"
+    HARMLESS = "no deer; dry"
+    LACK = "no driver"
+    ODD = "something is odd"
+    NOT_ORDINARY = "it is not normal"
+    THING = "a deer"
+    REMARK = "on the road"
+    OPEN = "nothing for the driver"
+
+
+class Clause(NamedTuple):
+    """The kinds of a clause's words before and behind the first denial in it; all are before if it has none."""
+
+    before: Sequence[Kind]
+    denial: Kind | None
+    behind: Sequence[Kind]
+
+
+_DENIALS = {Kind.NOTHING, Kind.NO, Kind.NOT}
+_JUDGED = {Kind.ODD, Kind.TOPIC}
+_UNKNOWN = {Kind.OTHER, Kind.PART}
+_THINGS = {*_UNKNOWN, Kind.VEHICLE}
+_NONE = {Said.NOTHING_ODD, Said.NOTHING}
+_WITH_NO = {*_NONE, Said.HARMLESS, Said.REMARK}
+_WORD = re.compile(
+    "|".join(rf"(?P<{kind.name}>(?<![\w'])(?:{kind.value})(?![\w']))" for kind in Kind)
+)
+_LISTED = r"(?= with\b|(?: (?!no\b|not|is\b|are\b)\w+,?){0,6} n?or\b)"
+_CLAUSES = re.compile(
+    rf"(?:(?!,{_LISTED})[,.;:!?()\n\u2013\u2014])+|(?<=\s)-|\b(?:and|but)\b|\bwith(?= (?:no|nothing)\b)"
+)
+"""Matches what stands between clauses, which the commas of "no deer, dogs or cows" and "a road, with cars" do not."""
+_PLACEHOLDER = re.compile(
+    r"\A\W*(?:nil|null|false|n/?a|not applicable|unknown|undefined|nope|nah|zero|absent|empty)(?=\s*(?:[^\w\s]|\Z))"
+)
+"""Matches what fills the place of an aspect, as "none" does."""
 
 
 def plain_words(words: str) -> str:
@@ -55,90 +109,105 @@ def plain_words(words: str) -> str:
 def says_nothing(plain: str) -> bool | None:
     """Return whether plain words say that there is no aspect; `None` if that is open."""
     said = _clauses_said(plain)
-    if not said or _DENIAL.fullmatch(said):
+    if not said or (_WITH_NO.issuperset(said) and not _NONE.isdisjoint(said)):
         return True
-    return False if _NAME.fullmatch(said) else None
+    telling = [one for one in said if one not in (Said.REMARK, Said.ODD, Said.NOT_ORDINARY)]
+    is_lack = telling[:1] == [Said.LACK] and _NONE.isdisjoint(telling)
+    is_odd = not telling and Said.ODD in said
+    return False if is_lack or is_odd or telling[:1] == [Said.THING] else None
 
 
 def denies_what_is_odd(plain: str) -> bool:
     """Return whether plain words name no aspect, and a clause denies what is odd."""
     said = _clauses_said(plain)
-    return "-" in said and _DENIAL.fullmatch(said) is not None
+    return Said.NOTHING_ODD in said and _WITH_NO.issuperset(said)
 
 
 def goes_with_no(plain: str) -> bool:
     """Return whether plain words add nothing to an answer of no."""
-    return _DENIAL.fullmatch(f"-{_clauses_said(plain)}") is not None
+    return _WITH_NO.issuperset(_clauses_said(plain))
 
 
 def goes_with_yes(plain: str) -> bool:
     """Return whether no clause of plain words takes an answer of yes back or leaves it open."""
-    return not re.search("[-0?]", _clauses_said(plain))
+    return {*_NONE, Said.OPEN}.isdisjoint(_clauses_said(plain))
 
 
-def _clauses_said(plain: str) -> str:
-    """Return what the clauses of plain words say, one letter each.
-
-    Nothing is odd (`-`), there is nothing, or the scene is clear (`0`), a thing is not there that may be (`d`) or should
-    be (`a`), something is odd (`o`, or `+` if it is called not ordinary), there is a thing (`x`, or `v` in known words),
-    it is open (`?`), or hardly anything (`.`).
-    """
-    kinds = (
-        "".join(str(word.lastgroup) for word in _WORD.finditer(clause))
-        for clause in _CLAUSES.split(_FILLER.sub("none", plain))
-    )
-    return "".join(map(_said, filter(None, kinds)))
+def _clauses_said(plain: str) -> list[Said]:
+    clauses = _CLAUSES.split(_PLACEHOLDER.sub("none", plain))
+    kinds = ([Kind[str(word.lastgroup)] for word in _WORD.finditer(one)] for one in clauses)
+    return [_said(one) for one in kinds if one]
 
 
-def _said(kinds: str) -> str:
-    if len(kinds) > _LONGEST_CLAUSE:
-        return "?"
-    if re.search("[xp]", kinds):
-        return next(said for said, form in _UNKNOWN if form.search(kinds))
-    kinds = re.sub("w(?=[fwSV]*[OT])", "f", kinds)
-    is_denied = is_odd = is_ordinary = False
-    for kind in kinds:
-        is_denied ^= kind in "nzyq"
-        is_odd |= kind in ("Nw" if is_denied else "O")
-        is_ordinary |= kind in ("OT" if is_denied else "Nw")
-    if is_odd:
-        return "+" if re.search("[nzyqN]", kinds) else "o"
+def _said(kinds: Sequence[Kind]) -> Said:
+    at = next((at for at, kind in enumerate(kinds) if kind in _DENIALS), len(kinds))
+    clause = Clause(kinds[:at], next(iter(kinds[at:]), None), kinds[at + 1 :])
+    if not _UNKNOWN.isdisjoint(kinds):
+        return Said.OPEN if _calls_ordinary(kinds) else _said_of_a_thing(clause)
+    return _said_with_denial(clause) if clause.denial else _said_in_known_words(set(kinds))
+
+
+def _said_in_known_words(kinds: set[Kind]) -> Said:
+    """Return what a clause of known words without a denial says."""
+    is_ordinary = Kind.ORDINARY in kinds or {Kind.TOPIC, Kind.CLEAR} <= kinds
+    if Kind.ODD in kinds:
+        return Said.NOT_ORDINARY if is_ordinary else Said.ODD
     if is_ordinary:
-        return "-" if re.search("[NOT]", kinds) else "0" if re.search("[SV]", kinds) else "d"
-    return next(said for said, form in _KNOWN if form.search(kinds))
+        return Said.NOTHING_ODD
+    if Kind.CLEAR in kinds:
+        return Said.NOTHING if kinds & {Kind.SCENE, Kind.VEHICLE} else Said.HARMLESS
+    return Said.THING if kinds & {Kind.TOPIC, Kind.VEHICLE} else Said.REMARK
 
 
-_LONGEST_CLAUSE = 200
-"""The longest clause that is looked into, in words."""
-_LISTED = r"(?= with\b|(?: (?!no\b|not|is\b|are\b)\w+,?){0,6} n?or\b)"
-_CLAUSES = re.compile(
-    rf"(?:(?!,{_LISTED})[,.;:!?()\n\u2013\u2014])+|(?<=\s)-|\b(?:and|but)\b|\bwith(?= (?:no|nothing)\b)"
-)
-"""Matches what stands between clauses, which the commas of "no deer, dogs or cows" and "a road, with cars" do not."""
-_FILLER = re.compile(
-    r"\A\W*(?:nil|null|false|n/?a|not applicable|unknown|undefined|nope|nah|zero|absent|empty)(?!-\w)(?=\W*\Z| ?[(,.;:\u2013\u2014-]| (?:here|in|for)\b)"
-)
-"""Matches what fills the place of an aspect, as "none" does."""
-_KNOWN = (
-    ("0", re.compile("^[farS]*(?:z[farS]*|yf*(?:a[farS]*)?)$")),
-    ("x", re.compile("V.*[nzyq]")),
-    ("d", re.compile("[zy]")),
-    ("?", re.compile("[nq]")),
-    ("v", re.compile("[VT]")),
-    (".", re.compile("")),
-)
-"""The forms of a clause of known words that calls nothing odd or ordinary; it says that of the first one found."""
-_FIRST = "^[^xpV]*"
-_UNKNOWN = (
-    ("-", re.compile("^[farSV]*[nzy][fawS]*x{1,2}[OSV]?T[farSTV]*$")),
-    ("?", re.compile(rf"[nzyq](?:[^xOT]*x{{1,3}}r)*[^xOT]*[OT]|{_FIRST}N|(?<![an])N")),
-    ("a", re.compile(rf"{_FIRST}(?:[yq][faSw]*x?[faSw]*|z)p")),
-    ("d", re.compile("^[faSw]*(?:y[faw]*x{1,2}[faS]*$|z)")),
-    ("?", re.compile(rf"{_FIRST}[nzyq]")),
-    ("x", re.compile("")),
-)
-"""The forms of a clause with unknown words."""
-_DENIAL = re.compile(r"[d.]*[-0][-0d.]*")
-"""Matches what clauses say of which none names an aspect, and one says that there is none."""
-_NAME = re.compile(r"[.o+]*(?:[xv].*|a[^-0]*)|[.o]+")
-"""Matches what clauses say that name an aspect; a denial behind the name of a thing denies nothing of it."""
+def _said_with_denial(clause: Clause) -> Said:
+    """Return what a clause of known words with a denial says."""
+    before, behind = set(clause.before), set(clause.behind)
+    if Kind.ODD in before or behind & {*_DENIALS, Kind.ORDINARY, Kind.CLEAR}:
+        return Said.NOT_ORDINARY
+    if Kind.ORDINARY in before or behind & _JUDGED:
+        return Said.NOTHING_ODD
+    if Kind.VEHICLE in before:
+        return Said.THING
+    if clause.denial is Kind.NOT:
+        return Said.OPEN
+    is_of_all = clause.denial is Kind.NOTHING or not (Kind.TOPIC in before or Kind.SCENE in behind)
+    return Said.NOTHING if is_of_all and Kind.VEHICLE not in behind else Said.HARMLESS
+
+
+def _said_of_a_thing(clause: Clause) -> Said:
+    """Return what a clause with unknown words says, none of which is called ordinary."""
+    before, denial, behind = clause
+    if denial is None:
+        return Said.THING
+    if _UNKNOWN.isdisjoint(before) and _begins_with(Kind.TOPIC, behind):
+        is_all = _UNKNOWN.isdisjoint(behind[behind.index(Kind.TOPIC) :])
+        return Said.NOTHING_ODD if is_all and Kind.ODD not in before else Said.OPEN
+    if not _JUDGED.isdisjoint(behind):
+        return Said.OPEN
+    if not _THINGS.isdisjoint(before):
+        return Said.THING
+    if denial is Kind.NO and _begins_with(Kind.PART, behind):
+        return Said.LACK
+    is_of_one = denial is Kind.NO and behind.count(Kind.OTHER) == 1
+    is_harmless = (is_of_one or denial is Kind.NOTHING) and _JUDGED.isdisjoint(before)
+    is_plain = {Kind.PART, Kind.VEHICLE, *_DENIALS}.isdisjoint(behind)
+    return Said.HARMLESS if is_harmless and is_plain else Said.OPEN
+
+
+def _begins_with(kind: Kind, denied: Sequence[Kind]) -> bool:
+    """Return whether denied words begin with one of a kind, behind an unknown adjective at most: "erratic behaviour"."""
+    if kind not in denied:
+        return False
+    ahead = (one for one in denied[: denied.index(kind)] if one not in (Kind.FILLER, Kind.ODD))
+    attributes = list(dropwhile(lambda one: one is Kind.LINK, ahead))
+    of_known = attributes[1:] if attributes[:1] == [Kind.OTHER] else attributes
+    return {Kind.SCENE, Kind.VEHICLE}.issuperset(of_known)
+
+
+def _calls_ordinary(kinds: Sequence[Kind]) -> bool:
+    """Return whether a word calls a thing ordinary, unlike that of "a deer in the usual lane"."""
+    first = next((at for at, kind in enumerate(kinds) if kind in _THINGS), len(kinds))
+    return any(
+        kind is Kind.ORDINARY and (at < first or kinds[at - 1] is not Kind.LINK)
+        for at, kind in enumerate(kinds)
+    )
