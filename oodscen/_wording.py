@@ -56,6 +56,7 @@ _ADDRESSED = re.compile(
             rf"{_BEGINS}(?:answer|reply|respond)\s+(?:with|only|always|never|in|as|to (?:this|every|all|the question))\b",
             r"\b(?:in|as|to)\s+your\s+(?:\w+\s+)?(?:answer|response|reply|output)\b",
             r"\b(?:the|your) (?:correct|right|only|final|expected) (?:answer|response|output|decision)\b",
+            r"\bthe (?:correct|expected) action is\b",
             r"\banswer\s*(?:[:=]|(?:is|was|must be|should be|would be|will be)\b)",
             # an option by its letter: "option B", "answer (C)", "choice: d"
             r"\b(?:option|answer|choice)(?:\s+is\b)?[\s:=]+[(\[\"'“‘]*(?-i:[B-Hb-h]|[Aa](?!\s+(?!because|since|and|or|is|as)[a-z]))(?![\w'’-])",

@@ -246,6 +246,7 @@ def test_offline_holds_for_every_socket(monkeypatch):
         lambda: socket.getaddrinfo("model.invalid", 80),
         lambda: socket.gethostbyname("model.invalid"),
         lambda: socket.gethostbyaddr("192.0.2.1"),
+        lambda: socket.getnameinfo(("192.0.2.1", 53), 0),
         send,
         lambda: in_a_loop(asyncio.open_connection("192.0.2.1", 80)),
     ):

@@ -62,6 +62,8 @@ def _destination(event: str, arguments: tuple[Any, ...]) -> str | None:
             host = address[0]
     elif event == "socket.gethostbyaddr":
         host = arguments[0]
+    elif event == "socket.getnameinfo":
+        host = arguments[0][0]
     elif event in ("socket.getaddrinfo", "socket.gethostbyname"):
         # A literal address is resolved without a name look-up.
         host = None if _is_literal(arguments[0]) else arguments[0]
