@@ -75,9 +75,7 @@ def _is_edited(text):
     ],
 )
 def test_no_text_contradicts_itself(many, one, other):
-    both = [
-        t for t in many if re.search(rf"\b(?:{one})", t) and re.search(rf"\b(?:{other})", t)
-    ]
+    both = [t for t in many if re.search(rf"\b(?:{one})", t) and re.search(rf"\b(?:{other})", t)]
     assert both == []
 
 

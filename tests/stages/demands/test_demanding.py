@@ -61,7 +61,9 @@ def test_a_demand_passes_the_checks_of_scenes_and_its_text_is_true(simulator, ro
 def test_a_demand_leaves_an_action_safe_and_is_the_same_again(simulator):
     scene = placed("urban_avenue")
     run = simulate(scene, simulator, camera=SMALL)
-    first, second = (draw_demand(scene, run, Rerunner(simulator, 3, camera=SMALL)) for _ in range(2))
+    first, second = (
+        draw_demand(scene, run, Rerunner(simulator, 3, camera=SMALL)) for _ in range(2)
+    )
     assert first.scene == second.scene
     assert first.simulated.episode == second.simulated.episode
     assert first.simulated.episode.safe_set
