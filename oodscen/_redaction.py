@@ -110,9 +110,15 @@ def redact_start(text: str, length: int, *, is_cut: bool = False) -> str:
 
 def _known(more: Iterable[str]) -> frozenset[str]:
     """Return all credentials that are known, and the given ones."""
-    held = (value for name, value in os.environ.items() if _SECRET_NAME.search(name))
+    held = (value for name, value in os.environ.items() if _is_secret(name))
     values = {value for value in (*held, *_told, *more) if len(value) >= SHORTEST}
     return frozenset(values - {HIDDEN, HIDDEN[1:-1]})
+
+
+@lru_cache(maxsize=1024)
+def _is_secret(name: str) -> bool:
+    """Return whether a variable, argument or header of a name holds a credential."""
+    return bool(_SECRET_NAME.search(name))
 
 
 def hide(values: Iterable[str]) -> None:
@@ -127,7 +133,7 @@ def secrets_in(arguments: Mapping[str, Any]) -> list[str]:
         for value in held if isinstance(held, list | tuple) else (held,):
             if isinstance(value, Mapping):
                 found += secrets_in(value)
-            elif isinstance(value, str) and _SECRET_NAME.search(str(name)):
+            elif isinstance(value, str) and _is_secret(str(name)):
                 # A header may put its scheme before the credential.
                 found += [value, value.split()[-1]] if value.strip() else []
     return found

@@ -33,6 +33,7 @@ exception of its own kind whose facts it takes over, as Gymnasium's vector envir
 import difflib
 import inspect
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -99,6 +100,7 @@ class _OfAMessage(type):
         return known.replace(parameters=[*known.parameters.values()][1:])
 
 
+@cache
 def _needs_more(kind: type) -> bool:
     """Return whether a class of errors needs more than one argument."""
     variadic = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)

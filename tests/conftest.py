@@ -5,11 +5,15 @@ import os
 import sys
 from collections.abc import Generator, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import settings
 
 from oodscen import _redaction
+
+if TYPE_CHECKING:
+    from oodscen.protocols import Encoder
 
 os.environ["OODSCEN_OFFLINE"] = "1"
 os.environ.setdefault("HF_HUB_OFFLINE", "1")
@@ -20,7 +24,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 
-settings.register_profile("suite", derandomize=True, deadline=None, database=None)
+settings.register_profile("suite", max_examples=50, derandomize=True, deadline=None, database=None)
 settings.register_profile("thorough", max_examples=5_000, deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "suite"))
 
@@ -59,6 +63,18 @@ def quick(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     from tests.pipeline.quick import QUICK, finished
 
     return finished(QUICK, _shared(tmp_path_factory) / "quick")
+
+
+@pytest.fixture(scope="session")
+def minilm(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> "Encoder":
+    """Return all-MiniLM-L6-v2, which the first process that asks for it exports."""
+    from oodscen._lock import locked
+    from oodscen.encoders._all_minilm import all_minilm
+
+    with locked(_shared(tmp_path_factory) / "minilm.run", "encoder", wait_s=600):
+        encoder = all_minilm()
+        encoder.encode(["A deer jumps onto the road."])
+    return encoder
 
 
 @pytest.fixture(scope="session")

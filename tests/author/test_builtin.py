@@ -1,6 +1,8 @@
+import io
 import pickle
 import subprocess
 import sys
+from contextlib import redirect_stdout
 
 import pytest
 from hypothesis import given, settings
@@ -26,7 +28,7 @@ def test_it_is_a_language_model_to_the_core(author: BuiltinAuthor) -> None:
 
 
 @given(count=st.integers(1, 60), seed=st.integers(0, 999))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=10, deadline=None)
 def test_examples_are_distinct_and_of_both_classes(ask, count: int, seed: int) -> None:
     author = BuiltinAuthor(seed)
     question = GiveExamples(shown=("A fallen tree lies across the road.",), count=count)
@@ -65,11 +67,11 @@ def test_covered_kinds_are_mostly_avoided(author: BuiltinAuthor, ask, knowledge:
     assert 5 <= repeats <= 40
 
 
-@pytest.mark.parametrize("count", [1, 10, 25])
+@pytest.mark.parametrize("count", [1, 25])
 def test_texts_of_a_path_are_distinct(
     author: BuiltinAuthor, ask, knowledge: Knowledge, count: int
 ) -> None:
-    for hazard in knowledge.hazards[::9]:
+    for hazard in knowledge.hazards[::18]:
         path = ("x", hazard.class_name, hazard.family, hazard.label)
         first = ask(author, DescribePath(path=path, count=count)).texts
         more = ask(author, DescribePath(path=path, count=count, avoid=tuple(first))).texts
@@ -104,7 +106,6 @@ def test_it_cannot_see(author: BuiltinAuthor) -> None:
 
 
 QUESTIONS = """
-import sys
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.prompts._scenario.describe_path import DescribePath
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
@@ -112,18 +113,21 @@ from oodscen.protocols import Request
 author = BuiltinAuthor(3)
 for question in (DescribePath(path=("x", "Fallen tree across the road"), count=5), ImagineScenario(shown=())):
     print(author.complete(Request(prompt=question, messages=(), schema={}, sample=2)).text)
+"""
+LIGHT = """
+import sys
 for name in ("torch", "litellm", "numba", "pybullet", "cv2", "oodscen.stages._grow", "oodscen.stages._redteam.red_teamer"):
     assert name not in sys.modules, name
 """
 
 
 def test_a_fresh_process_gives_the_same_bytes_and_loads_nothing_heavy() -> None:
-    runs = [
-        subprocess.run([sys.executable, "-c", QUESTIONS], capture_output=True, check=True).stdout
-        for _ in range(2)
-    ]
-    assert runs[0] == runs[1]
-    assert runs[0]
+    with redirect_stdout(io.StringIO()) as here:
+        exec(QUESTIONS, {})
+    program = [sys.executable, "-c", QUESTIONS + LIGHT]
+    there = subprocess.run(program, capture_output=True, text=True, check=True).stdout
+    assert there == here.getvalue()
+    assert there
 
 
 def test_answers_depend_on_seed_and_sample_and_on_nothing_before(ask) -> None:

@@ -8,7 +8,6 @@ from oodscen_pybullet._catalogue import load_catalogue
 
 from oodscen.claims._checking import check_claims, mismatches
 from oodscen.claims._matching import Likeness
-from oodscen.encoders._all_minilm import all_minilm
 from oodscen.stages._augment import Augmenter
 from oodscen.testing import ScriptedLLM
 
@@ -33,9 +32,9 @@ WORDED_FREELY = {
 
 
 @pytest.fixture(scope="module")
-def judged():
+def judged(minilm):
     catalogue = load_catalogue()
-    augmenter = Augmenter(ScriptedLLM(lambda request: ""), catalogue, encoder=all_minilm())
+    augmenter = Augmenter(ScriptedLLM(lambda request: ""), catalogue, encoder=minilm)
     wanted = [one for one in recorded() if one["id"] in WORDED_FREELY or one["fault"]]
     return {one["id"]: (told, why) for one, told, why in accepted(augmenter, wanted)}
 
@@ -55,9 +54,9 @@ def test_real_faults_are_refused(judged):
         assert why
 
 
-def test_a_scene_that_contradicts_its_text_is_refused_by_the_claim(judged):
+def test_a_scene_that_contradicts_its_text_is_refused_by_the_claim(judged, minilm):
     catalogue = load_catalogue()
-    likeness = Likeness(all_minilm(), catalogue)
+    likeness = Likeness(minilm, catalogue)
     scenes = [told for told, _ in judged.values() if told is not None]
     made = list(falsified(scenes, catalogue, 40))
     assert {one.change for one in made} >= set(CHANGES) - {"fewer", "other side", "other state"}

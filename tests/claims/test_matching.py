@@ -5,15 +5,14 @@ from oodscen_pybullet._catalogue import load_catalogue
 
 from oodscen.claims._matching import Likeness, doubt, likeness_of
 from oodscen.claims._things import may_be
-from oodscen.encoders._all_minilm import all_minilm
 from oodscen.testing._encoder import HashEncoder
 
 CATALOGUE = load_catalogue()
 
 
 @pytest.fixture(scope="module")
-def likeness() -> Likeness:
-    return Likeness(all_minilm(), CATALOGUE)
+def likeness(minilm) -> Likeness:
+    return Likeness(minilm, CATALOGUE)
 
 
 PLAUSIBLE = [

@@ -19,6 +19,7 @@ from oodscen.data._episode import (
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
 from oodscen.driving._sight.placement import check_scene
 from oodscen.judging._safety_figures import safety_figures
+from oodscen.protocols import Camera
 from oodscen.stages._rerun import Rerunner
 from oodscen.stages._restage import restage, variants
 from oodscen.testing._scenes import example_scene
@@ -31,7 +32,8 @@ OUTCOMES = st.builds(
     peak_deceleration=st.none() | st.floats(0, 9),
 ) | st.just(ActionOutcome(safe=False, unavailable=True))
 
-few = settings(max_examples=12, suppress_health_check=list(HealthCheck))
+SMALL = Camera(width=160, height=120)
+few = settings(max_examples=6, suppress_health_check=list(HealthCheck))
 
 KINDS = (
     ("cardboard_box", "stand"),
@@ -202,8 +204,8 @@ def test_a_hazard_that_is_its_own_counterpart_changes_nothing(simulator, scene):
 
 
 def test_the_papers_protocol_shows_the_whole_trace_and_counts_collisions_only(simulator):
-    ours = simulate(example_scene(), simulator)
-    paper = simulate(example_scene(), simulator, protocol="paper")
+    ours = simulate(example_scene(), simulator, camera=SMALL)
+    paper = simulate(example_scene(), simulator, camera=SMALL, protocol="paper")
     assert len(paper.states) > len(ours.states)
     assert paper.episode.frame_sha256["first"] == ours.episode.frame_sha256["first"]
     assert paper.episode.frame_sha256["last"] != ours.episode.frame_sha256["last"]
@@ -228,9 +230,9 @@ def test_a_scene_without_danger_is_restaged_or_left_as_it_was(simulator):
     box = scene.actors[0]
     aside = box.model_copy(update={"placement": box.placement.model_copy(update={"offset_m": 7.5})})
     easy = scene.model_copy(update={"actors": (aside, *scene.actors[1:])})
-    run = simulate(easy, simulator)
+    run = simulate(easy, simulator, camera=SMALL)
     assert not run.episode.is_decidable
-    changed, again, tried = restage(easy, run, Rerunner(simulator))
+    changed, again, tried = restage(easy, run, Rerunner(simulator, camera=SMALL))
     assert again.episode.is_decidable is bool(again.episode.restaged)
     assert (changed is easy) is (not again.episode.restaged)
     all_variants = list(

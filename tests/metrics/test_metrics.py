@@ -14,7 +14,6 @@ from oodscen._seeding import stream
 from oodscen.baselines._baseline import Baseline
 from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.data._scenario import Scenario
-from oodscen.encoders._all_minilm import all_minilm
 from oodscen.encoders._cached import CachedEncoder
 from oodscen.errors import DataError, EncoderError, UnknownComponent, UsageError
 from oodscen.metrics._oodness import Measure
@@ -305,8 +304,8 @@ def test_a_baseline_is_kept_on_disk_only_for_encoders_that_allow_it(monkeypatch,
     assert Metrics(Slow(), baseline).oodness(["b"]).mean == pytest.approx(-1.0, abs=1e-6)
 
 
-def test_what_is_out_of_distribution_scores_higher_than_ordinary_text():
-    metrics = Metrics(all_minilm(), ordinary_driving().texts[::20])
+def test_what_is_out_of_distribution_scores_higher_than_ordinary_text(minilm):
+    metrics = Metrics(minilm, ordinary_driving().texts[::20])
     strange = [
         "Ego is driving on a two-lane residential road in clear weather, and a sofa lies in its lane.",
         "The ego vehicle is travelling on a highway when a deer leaps over the barrier.",

@@ -7,6 +7,7 @@ from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
 from oodscen.protocols import Camera
+from oodscen.stages import _decision_retiming
 from oodscen.stages._decision_retiming import SLOWER, _slow_ego, retime
 from oodscen.stages._rerun import Rerunner
 from oodscen.stages._restage import changed_scene, contradiction, variants
@@ -20,6 +21,13 @@ SMALL = Camera(width=160, height=120)
 def flat():
     with FlatSimulator() as simulator:
         yield simulator
+
+
+@pytest.fixture
+def few(monkeypatch):
+    """Try two approach speeds, each with two moments."""
+    monkeypatch.setattr(_decision_retiming, "SLOWER", SLOWER[:2])
+    monkeypatch.setattr(_decision_retiming, "MOST_MOMENTS", 2)
 
 
 def far(**fields):
@@ -64,7 +72,7 @@ def test_a_slower_approach_is_tried_and_else_nothing_changes(flat):
     ] * len(SLOWER)
 
 
-def test_a_hazard_that_can_be_named_too_late_to_matter_is_named_all_the_same(flat):
+def test_a_hazard_that_can_be_named_too_late_to_matter_is_named_all_the_same(flat, few):
     """From where the box is large enough, a fast ego is past it before a change of lanes could touch it."""
     box = example_scene().actors[0]
     aside = box.placement.model_copy(update={"offset_m": 3.8})
@@ -105,7 +113,7 @@ AWAY = said("distance", "40", subject="box")
 THERE = said("thing", "present", subject="box")
 
 
-def test_no_move_contradicts_what_the_text_says(flat):
+def test_no_move_contradicts_what_the_text_says(flat, few):
     """The decision moves while every claim still holds; one that a later decision breaks prevents it."""
     scene = far()
     before = simulate(scene, flat, camera=SMALL)

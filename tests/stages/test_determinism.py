@@ -15,6 +15,7 @@ from oodscen.testing._scenes import example_scene
 TRACED = """
 import json, sys
 from oodscen.data._scene import Scene
+from oodscen.protocols import Camera
 from oodscen.stages._simulate import simulate
 from oodscen.testing._flat import FlatSimulator
 
@@ -22,7 +23,8 @@ found = {}
 with FlatSimulator() as simulator:
     for line in sys.stdin:
         scene = Scene.parse(line)
-        done = simulate(scene, simulator, seed=4, actions=("stop", "change_lane_left"), traces=True)
+        actions, camera = ("stop", "change_lane_left"), Camera(width=160, height=120)
+        done = simulate(scene, simulator, seed=4, camera=camera, actions=actions, traces=True)
         truth = {"approach": done.trace, **done.rollouts}
         found[scene.id] = [
             done.episode.to_json(),

@@ -12,11 +12,13 @@ from hypothesis import strategies as st
 from oodscen import Augmenter, Scenario, make_llm
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
 from oodscen.driving._sight.placement import check_scene
+from oodscen.protocols import Camera
 from oodscen.stages._simulate import simulate
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 from tests.data.test_scene import scenes as any_scenes
 
+SMALL = Camera(width=160, height=120)
 ACTIONS = ("stop", "change_lane_left")
 
 TEXTS = (
@@ -41,8 +43,9 @@ def read_back(scene, rng):
 
 def found(scene, simulator):
     """Return all that running a scene and its twin gives."""
-    runs = [simulate(scene, simulator, actions=ACTIONS)]
-    runs.append(simulate(scene.twin(runs[0].episode.decision_s), simulator, actions=ACTIONS))
+    runs = [simulate(scene, simulator, camera=SMALL, actions=ACTIONS)]
+    twin = scene.twin(runs[0].episode.decision_s)
+    runs.append(simulate(twin, simulator, camera=SMALL, actions=ACTIONS))
     return [[run.episode.to_json(), *(state.fingerprint() for state in run.states)] for run in runs]
 
 

@@ -261,8 +261,9 @@ def _check_staging(
     }
     first = next(iter(with_files.values()), None)
     if first is not None:
+        digest = CatalogueDigest.of(first)
         for hazard in recipes:
-            findings.add(hazard, _unfit(hazard, first))
+            findings.add(hazard, _unfit(hazard, first, digest))
     tried: set[str] = set()
     for name, catalogue in with_files.items():
         augmenter = Augmenter(author, catalogue, claims=False)
@@ -272,9 +273,8 @@ def _check_staging(
                 findings.add(hazard, _unstaged(hazard, augmenter, name))
 
 
-def _unfit(hazard: HazardKind, catalogue: Catalogue) -> Iterator[Issue]:
+def _unfit(hazard: HazardKind, catalogue: Catalogue, digest: CatalogueDigest) -> Iterator[Issue]:
     """Yield states, parameters and behaviours of a recipe that its assets do not have, which staging ignores."""
-    digest = CatalogueDigest.of(catalogue)
     kinds = {kind.id: kind for kind in catalogue.behaviours}
     for index, actor in enumerate(hazard.stage.actors if hazard.stage else ()):
         where = f"stage.actors[{index}]"

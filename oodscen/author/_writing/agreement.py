@@ -1,6 +1,7 @@
 """Agreement of clauses with the place, weather and traffic around them."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import lru_cache
 
 from oodscen.author._knowledge.base import Clash, Knowledge
 from oodscen.data._base import Data
@@ -19,8 +20,7 @@ class Agreement:
     """Finds words that are incompatible with a setting."""
 
     def __init__(self, knowledge: Knowledge) -> None:
-        self._clashes = knowledge.clash
-        self._cache: dict[str, tuple[Clash, ...]] = {}
+        self._in = _finder(knowledge.clash)
 
     def clashes(self, clause: str, setting: PlaceAndTime) -> list[str]:
         """Return the words of a clause that are incompatible with a setting, each with the reason."""
@@ -38,12 +38,16 @@ class Agreement:
         """Return the clauses that suit a setting."""
         return [clause for clause in clauses if self.suits(clause, setting)]
 
-    def _in(self, clause: str) -> tuple[Clash, ...]:
-        clashes = self._cache.get(clause)
-        if clashes is None:
-            clashes = tuple(clash for clash in self._clashes if clash.pattern.search(clause))
-            self._cache[clause] = clashes
-        return clashes
+
+@lru_cache(maxsize=4)
+def _finder(clashes: tuple[Clash, ...]) -> Callable[[str], tuple[Clash, ...]]:
+    """Return what finds the clashes whose words a clause has, and remembers them for later knowledge bases."""
+
+    @lru_cache(maxsize=2**15)
+    def found(clause: str) -> tuple[Clash, ...]:
+        return tuple(clash for clash in clashes if clash.pattern.search(clause))
+
+    return found
 
 
 def _applies(clash: Clash, setting: PlaceAndTime) -> bool:

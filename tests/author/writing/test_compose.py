@@ -22,14 +22,14 @@ def shared(event: str, text: str) -> float:
 
 @pytest.fixture(scope="module")
 def many(knowledge: Knowledge) -> list[tuple[HazardKind, str]]:
-    return [(h, text) for h in knowledge.hazards for text in written(knowledge, h, 30, seed=3)]
+    return [(h, text) for h in knowledge.hazards for text in written(knowledge, h, 12, seed=3)]
 
 
 def test_every_hazard_yields_many_distinct_texts(many: list[tuple[HazardKind, str]]) -> None:
     by_hazard: dict[str, set[str]] = {}
     for hazard, text in many:
         by_hazard.setdefault(hazard.id, set()).add(folded_words(text))
-    assert {len(texts) for texts in by_hazard.values()} == {30}
+    assert {len(texts) for texts in by_hazard.values()} == {12}
 
 
 def test_no_two_texts_of_a_thousand_are_equal(many: list[tuple[HazardKind, str]]) -> None:

@@ -98,6 +98,16 @@ def test_a_flat_road_hides_nothing():
     assert eye.see(UprightBox(*other, 4.3, 1.8, 1.5), (), corridor).hidden == 0.0
 
 
+@pytest.mark.parametrize(("on_m", "hidden"), [(0.0, False), (60.0, True)])
+def test_a_crest_hides_what_lies_beyond_it(on_m, hidden):
+    corridor = load_corridor(next(one for one in SHIPPED_MAPS if one.id == "rural_hill"))
+    crest = corridor.s[corridor.z.argmax()]
+    eye = Eye(CAMERA, UprightBox(*corridor.point(crest - 50.0, -1.5), 4.5, 1.85, 1.5))
+    box = UprightBox(*corridor.point(crest + on_m, -1.5), 1.0, 1.0, 0.5)
+    assert eye.see(box, (), corridor).hidden == (1.0 if hidden else 0.0)
+    assert eye.see(box, ()).hidden == 0.0
+
+
 @given(st.floats(20, 9000), st.sampled_from(["rain", "snow"]), st.floats(0.5, 60))
 def test_rain_and_snow_only_shorten_the_visual_range(fog, kind, intensity):
     dry = Weather(fog_visual_range_m=fog)

@@ -12,6 +12,7 @@ from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._scene import Scene
 from oodscen.driving._sight.placement import check_scene
+from oodscen.protocols import Camera
 from oodscen.stages._demands.demanding import (
     _COMPARED,
     _admitted,
@@ -28,6 +29,7 @@ from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 
 MAPS = ("residential_two_lane", "urban_avenue", "highway", "rural_curve", "roundabout", "tunnel")
+SMALL = Camera(width=160, height=120)
 
 
 @pytest.fixture(scope="module")
@@ -44,8 +46,8 @@ def placed(road, number=0):
 @pytest.mark.parametrize("road", MAPS)
 def test_a_demand_passes_the_checks_of_scenes_and_its_text_is_true(simulator, road):
     scene, catalogue = placed(road), simulator.catalogue()
-    run = simulate(scene, simulator)
-    found = draw_demand(scene, run, Rerunner(simulator)).scene
+    run = simulate(scene, simulator, camera=SMALL)
+    found = draw_demand(scene, run, Rerunner(simulator, camera=SMALL)).scene
     assert found.is_ordinary
     assert not found.is_twin
     assert not check_scene(found, catalogue)
@@ -58,8 +60,10 @@ def test_a_demand_passes_the_checks_of_scenes_and_its_text_is_true(simulator, ro
 
 def test_a_demand_leaves_an_action_safe_and_is_the_same_again(simulator):
     scene = placed("urban_avenue")
-    run = simulate(scene, simulator)
-    first, second = (draw_demand(scene, run, Rerunner(simulator, 3)) for _ in range(2))
+    run = simulate(scene, simulator, camera=SMALL)
+    first, second = (
+        draw_demand(scene, run, Rerunner(simulator, 3, camera=SMALL)) for _ in range(2)
+    )
     assert first.scene == second.scene
     assert first.simulated.episode == second.simulated.episode
     assert first.simulated.episode.safe_set
@@ -76,7 +80,7 @@ def test_no_kind_looks_like_the_hazard(simulator, asset, left_out):
         pytest.skip(f"the catalogue has no {asset}")
     (box,) = scene.actors
     changed = scene.model_copy(update={"actors": (box.model_copy(update={"asset": asset}),)})
-    run = simulate(scene, simulator)
+    run = simulate(scene, simulator, camera=SMALL)
     setting = Setting.of(scene, simulator.catalogue(), run.trace, run.episode.sketch)
     kinds = {
         ranked_candidate.kind.id for ranked_candidate in ranked_candidates(changed, setting, 0)
@@ -88,7 +92,7 @@ def test_no_kind_looks_like_the_hazard(simulator, asset, left_out):
 @pytest.mark.parametrize("road", MAPS)
 def test_nobody_of_a_demand_drives_in_the_very_middle_of_a_lane(simulator, road):
     scene = placed(road)
-    run = simulate(scene, simulator)
+    run = simulate(scene, simulator, camera=SMALL)
     setting = Setting.of(scene, simulator.catalogue(), run.trace, run.episode.sketch)
     drivers = [
         actor.placement.offset_m
@@ -115,7 +119,7 @@ def test_looks_differ_as_much_either_way_and_not_from_themselves(one, other):
 
 def test_a_demand_has_about_as_many_bodies_as_its_scene(simulator):
     scene = placed("urban_avenue")
-    run = simulate(scene, simulator)
+    run = simulate(scene, simulator, camera=SMALL)
     setting = Setting.of(scene, simulator.catalogue(), run.trace, run.episode.sketch)
 
     def first_bodies(bodies):
@@ -136,8 +140,8 @@ def candidates_for(scene, run, rerunner, picture):
 
 @pytest.mark.parametrize("road", MAPS[:3])
 def test_demands_whose_pictures_are_about_as_full_come_first(simulator, road):
-    scene, rerunner = placed(road), Rerunner(simulator)
-    run = simulate(scene, simulator)
+    scene, rerunner = placed(road), Rerunner(simulator, camera=SMALL)
+    run = simulate(scene, simulator, camera=SMALL)
     shape = run.frames["last"].rgb.shape
     noise = np.random.default_rng(0).integers(0, 256, shape, np.uint8)
     few, for_full = candidates_for(scene, run, rerunner, noise)

@@ -1,3 +1,4 @@
+from functools import partial
 from typing import Any
 
 import pytest
@@ -6,7 +7,9 @@ from oodscen.data._additions import Addition
 from oodscen.data._prop import Prop
 from oodscen.data._scenario import Scenario
 from oodscen.prompts._scenario.stage_scene import SceneDraft
+from oodscen.protocols import Camera
 from oodscen.stages._augment import scene_of_draft
+from oodscen.stages._making import looking
 from oodscen.stages._making.looking import ShownProp
 from oodscen.stages._making.making import PropMaker
 from oodscen.stages._making.recognition import NONE, PropRecogniser
@@ -21,6 +24,11 @@ from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 from tests.made import WALL
 
 WANTED = WantedThing("low_wall", "object", ("Root", "Environmental", "Wall across the lane"))
+
+
+@pytest.fixture(autouse=True)
+def _small_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(looking, "Camera", partial(Camera, width=160, height=120))
 
 
 def made_by(*answers: Any) -> Any:
