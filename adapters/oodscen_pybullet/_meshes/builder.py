@@ -97,8 +97,10 @@ class MeshBuilder:
         """Add a convex polygon of one colour, with a normal per corner or one for all."""
         rows = _fan(len(corners))
         self._points.append(corners[rows])
-        is_flat = isinstance(normals, tuple)
-        self._normals.append(np.full((len(rows), 3), normals) if is_flat else normals[rows])
+        if isinstance(normals, tuple):
+            self._normals.append(np.full((len(rows), 3), normals))
+        else:
+            self._normals.append(normals[rows])
         self._uvs.append(_swatches(colour, len(rows)))
         return self
 
