@@ -4,7 +4,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 from typing import Literal, NamedTuple, Self
 
 import numpy as np
@@ -17,7 +17,7 @@ from oodscen_pybullet._meshes.shapes import (
     facet_rows,
     flat_normal,
     moved,
-    ring,
+    rings,
     sphere_grid,
     unit,
     unit_rows,
@@ -53,7 +53,8 @@ class MeshBuilder:
     def polygon(self, points: Sequence[Sequence[float]] | Array, colour: str) -> Self:
         """Add a flat convex polygon, counter-clockwise seen from the side that shows."""
         corners = np.asarray(points, dtype=np.float64)
-        return self._add(corners, np.full((len(corners), 2), swatch_uv(colour)))
+        normal = flat_normal(corners.tolist())
+        return self if normal is None else self._fill(corners, colour, normal)
 
     def textured_quad(self, points: Sequence[Sequence[float]] | Array, region: str) -> Self:
         """Add a quad that shows a region of the atlas.
@@ -82,16 +83,25 @@ class MeshBuilder:
         placed = np.array([(left + (right - left) * u, low + (high - low) * v) for u, v in uvs])
         return self._add(np.asarray(points, dtype=np.float64), placed)
 
-    def _add(self, corners: Array, uvs: Array, normals: Array | None = None) -> Self:
-        if normals is None:
-            normal = flat_normal(corners.tolist())
-            if normal is None:
-                return self
-            normals = np.full((len(corners), 3), normal)
+    def _add(self, corners: Array, uvs: Array) -> Self:
+        """Add a flat convex polygon with texture coordinates of its own at every corner."""
+        normal = flat_normal(corners.tolist())
+        if normal is not None:
+            rows = _fan(len(corners))
+            self._points.append(corners[rows])
+            self._normals.append(np.full((len(rows), 3), normal))
+            self._uvs.append(uvs[rows])
+        return self
+
+    def _fill(self, corners: Array, colour: str, normals: Array | Point) -> Self:
+        """Add a convex polygon of one colour, with a normal per corner or one for all."""
         rows = _fan(len(corners))
         self._points.append(corners[rows])
-        self._normals.append(normals[rows])
-        self._uvs.append(uvs[rows])
+        if isinstance(normals, tuple):
+            self._normals.append(np.full((len(rows), 3), normals))
+        else:
+            self._normals.append(normals[rows])
+        self._uvs.append(_swatches(colour, len(rows)))
         return self
 
     def hull(
@@ -137,9 +147,8 @@ class MeshBuilder:
         self, start: Point, end: Point, width: float, colour: str, *, end_width: float | None = None
     ) -> Self:
         """Add a square bar from one point to another, optionally tapered."""
-        ring_a = ring(start, end, [width / 2] * 4, 4, start)
-        ring_b = ring(start, end, [(end_width if end_width is not None else width) / 2] * 4, 4, end)
-        return self._tube(ring_a, ring_b, colour, colour, smooth=False)
+        radii = (width / 2, (end_width if end_width is not None else width) / 2)
+        return self._tube(*rings(start, end, radii, 4), colour, colour, smooth=False)
 
     def cylinder(
         self,
@@ -154,31 +163,30 @@ class MeshBuilder:
         phase: float = 0.0,
     ) -> Self:
         """Add a round bar, cone or disc from one point to another."""
-        last = radius if end_radius is None else end_radius
-        ring_a = ring(start, end, [radius] * sides, sides, start, phase)
-        ring_b = ring(start, end, [last] * sides, sides, end, phase)
-        return self._tube(ring_a, ring_b, colour, cap_colour or colour, smooth=True)
+        radii = (radius, radius if end_radius is None else end_radius)
+        both = rings(start, end, radii, sides, phase)
+        return self._tube(*both, colour, cap_colour or colour, smooth=True)
 
     def _tube(
         self, ring_a: Array, ring_b: Array, colour: str, cap_colour: str, *, smooth: bool
     ) -> Self:
-        outward = unit_rows(ring_a - ring_a.mean(axis=0), ring_b - ring_b.mean(axis=0))
-        self._band(ring_a, ring_b, colour, (outward, outward) if smooth else None)
+        if smooth:
+            outward = unit_rows(ring_a - ring_a.mean(axis=0), ring_b - ring_b.mean(axis=0))
+            self._smooth_band(ring_a, ring_b, colour, (outward, outward))
+        else:
+            for quad in _quads(ring_a, ring_b):
+                self.polygon(quad, colour)
         self.polygon(ring_a[::-1], cap_colour)
         return self.polygon(ring_b, cap_colour)
 
-    def _band(
-        self, ring_a: Array, ring_b: Array, colour: str, outward: tuple[Array, Array] | None
+    def _smooth_band(
+        self, ring_a: Array, ring_b: Array, colour: str, outward: tuple[Array, Array]
     ) -> None:
-        """Join two rings by quads: smooth ones if the normals at both rings are given."""
-        uvs = np.full((4, 2), swatch_uv(colour))
-        for i in range(len(ring_a)):
-            j = (i + 1) % len(ring_a)
-            normals = None
-            if outward is not None:
-                a, b = outward
-                normals = np.array([a[i], a[j], b[j], b[i]])
-            self._add(np.array([ring_a[i], ring_a[j], ring_b[j], ring_b[i]]), uvs, normals)
+        """Join two rings by quads, given the normals at both rings."""
+        rows = _fan(4)
+        self._points.append(_quads(ring_a, ring_b)[:, rows].reshape(-1, 3))
+        self._normals.append(_quads(*outward)[:, rows].reshape(-1, 3))
+        self._uvs.append(_swatches(colour, len(ring_a) * len(rows)))
 
     def ball(
         self,
@@ -212,12 +220,14 @@ class MeshBuilder:
             grid *= 1 + jitter * dents[..., None]
             grid[0], grid[-1] = grid[0, 0], grid[-1, 0]
         surface = grid * np.array(radii) + np.array(centre)
-        for rows in facet_rows(around, down):
-            is_hollow = sum(float(dents[row]) for row in rows) < 0.0
-            shade = second_colour if second_colour and is_hollow else colour
-            normals = None if jitter else np.array([sphere[row] for row in rows])
-            corners = np.array([surface[row] for row in rows])
-            self._add(corners, np.tile(swatch_uv(shade), (len(rows), 1)), normals)
+        for facet in facet_rows(around, down):
+            shade = colour
+            if second_colour and sum(dents[facet].tolist()) < 0.0:
+                shade = second_colour
+            if jitter:
+                self.polygon(surface[facet], shade)
+            else:
+                self._fill(surface[facet], shade, sphere[facet])
         return self
 
     def column(
@@ -239,8 +249,7 @@ class MeshBuilder:
             sides: Corners of a ring.
             caps: Which ends are closed: `b`, `t` or both.
         """
-        turns = [2 * math.pi * (i + 0.5) / sides for i in range(sides)]
-        circle = [(cos(turn), sin(turn)) for turn in turns]
+        circle = _circle(sides)
         ellipses = [
             _ellipse(centre, first, second, axis, circle) for centre, first, second in rings
         ]
@@ -248,7 +257,7 @@ class MeshBuilder:
         for (low, low_outward), (high, high_outward), name in zip(
             ellipses[:-1], ellipses[1:], names, strict=True
         ):
-            self._band(low, high, name, (low_outward, high_outward))
+            self._smooth_band(low, high, name, (low_outward, high_outward))
         if "b" in caps:
             self.polygon(ellipses[0][0][::-1], names[0])
         if "t" in caps:
@@ -350,8 +359,8 @@ class MeshBuilder:
 
     def shift(self, offset: Point, *, scale: float = 1.0) -> Self:
         """Scale everything added so far about the origin, then move it."""
-        move = np.array(offset)
-        self._points = [rows * scale + move for rows in self._points]
+        if self._points:
+            self._points = [np.concatenate(self._points) * scale + np.array(offset)]
         self._lamps = [
             replace(lamp, position=moved(lamp.position, scale, offset)) for lamp in self._lamps
         ]
@@ -422,6 +431,25 @@ def _turn(rows: Array, first: int, second: int, angle: float) -> None:
     c, s = cos(angle), sin(angle)
     a, b = rows[:, first].copy(), rows[:, second].copy()
     rows[:, first], rows[:, second] = c * a - s * b, s * a + c * b
+
+
+def _quads(ring_a: Array, ring_b: Array) -> Array:
+    """Return the corners of the quads between two rings, [sides, 4, 3]."""
+    after = [*range(1, len(ring_a)), 0]
+    return np.stack([ring_a, ring_a[after], ring_b[after], ring_b], axis=1)
+
+
+@cache
+def _circle(sides: int) -> list[tuple[float, float]]:
+    """Return cosines and sines around a circle, half a side on from the axis."""
+    turns = [2 * math.pi * (i + 0.5) / sides for i in range(sides)]
+    return [(cos(turn), sin(turn)) for turn in turns]
+
+
+@lru_cache(maxsize=4096)
+def _swatches(colour: str, count: int) -> Array:
+    """Return the texture coordinates of corners of one colour, not to be changed."""
+    return np.full((count, 2), swatch_uv(colour))
 
 
 @cache

@@ -1,7 +1,8 @@
 """Basic geometry of corners, rings and boxes."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from functools import cache, lru_cache
 
 import numpy as np
 
@@ -72,26 +73,35 @@ def upright(
     return [(*start, low), (*end, low), (*end, high), (*start, high)]
 
 
-def ring(
-    start: Point, end: Point, radii: Sequence[float], sides: int, at: Point, phase: float = 0.0
-) -> Array:
-    """Return points around the axis from `start` to `end`, counter-clockwise seen from `end`."""
+def rings(
+    start: Point, end: Point, radii: tuple[float, float], sides: int, phase: float = 0.0
+) -> tuple[Array, Array]:
+    """Return points around `start` and around `end`, counter-clockwise about the axis seen from `end`."""
     axis = np.array(end) - np.array(start)
     axis = axis / math.sqrt(float((axis * axis).sum()))
     helper = (0.0, 0.0, 1.0) if abs(axis[2]) < 0.9 else (1.0, 0.0, 0.0)
     along = axis.tolist()
     across = np.array(_cross(helper, along))
-    first = (across / math.sqrt(float((across * across).sum()))).tolist()
-    second = _cross(along, first)
+    first = across / math.sqrt(float((across * across).sum()))
+    second = np.array(_cross(along, first.tolist()))
+    stretch = 1.0
     if sides == 4:
-        radii = [radius * math.sqrt(2.0) for radius in radii]
+        stretch = math.sqrt(2.0)
         phase += math.pi / 4
-    points = []
-    for i, radius in zip(range(sides), radii, strict=True):
-        turn = 2 * math.pi * i / sides + phase
-        c, s = cos(turn), sin(turn)
-        points.append([at[k] + radius * (c * first[k] + s * second[k]) for k in range(3)])
-    return np.array(points)
+    circle = _circle(sides, phase)
+    around = circle[:, :1] * first + circle[:, 1:] * second
+    near, far = (
+        np.array(at) + radius * stretch * around
+        for at, radius in zip((start, end), radii, strict=True)
+    )
+    return near, far
+
+
+@lru_cache(maxsize=256)
+def _circle(sides: int, phase: float) -> Array:
+    """Return cosines and sines around a circle, [sides, 2]."""
+    turns = [2 * math.pi * i / sides + phase for i in range(sides)]
+    return np.array([(cos(turn), sin(turn)) for turn in turns])
 
 
 def _cross(one: Sequence[float], two: Sequence[float]) -> Point:
@@ -122,8 +132,9 @@ def unit_rows(rows: Array, fallback: Array) -> Array:
     )
 
 
+@cache
 def sphere_grid(around: int, down: int) -> Array:
-    """Return the corners of a unit sphere from pole to pole, [down + 1, around, 3]."""
+    """Return the corners of a unit sphere from pole to pole, [down + 1, around, 3], not to be changed."""
     grid = np.zeros((down + 1, around, 3))
     for i in range(down + 1):
         polar = math.pi * i / down
@@ -133,14 +144,20 @@ def sphere_grid(around: int, down: int) -> Array:
     return grid
 
 
-def facet_rows(around: int, down: int) -> Iterator[list[tuple[int, int]]]:
-    """Yield the corners of every facet of a sphere's grid: triangles at the poles, quads between."""
+@cache
+def facet_rows(around: int, down: int) -> list[tuple[list[int], list[int]]]:
+    """Return the corners of every facet of a sphere's grid: triangles at the poles, quads between.
+
+    Each facet has the rows of its corners and their columns.
+    """
+    facets = []
     for i in range(down):
         for j in range(around):
             k = (j + 1) % around
             if i == 0:
-                yield [(0, j), (1, j), (1, k)]
+                facets.append(([0, 1, 1], [j, j, k]))
             elif i == down - 1:
-                yield [(i, j), (down, j), (i, k)]
+                facets.append(([i, down, i], [j, j, k]))
             else:
-                yield [(i, j), (i + 1, j), (i + 1, k), (i, k)]
+                facets.append(([i, i + 1, i + 1, i], [j, j, k, k]))
+    return facets

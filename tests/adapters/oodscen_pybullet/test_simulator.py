@@ -1,9 +1,6 @@
 import hashlib
 import math
-import subprocess
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +9,7 @@ from oodscen_pybullet._catalogue import load_catalogue
 
 from oodscen.data._catalogue import Asset
 from oodscen.data._details import Details
-from oodscen.data._scene import Actor, Scene
+from oodscen.data._scene import Actor, Scene, Weather
 from oodscen.driving._motion.boxes import Footprint, gap
 from oodscen.errors import SceneError, SpawnError
 from oodscen.protocols import Camera, Control, Frame
@@ -38,10 +35,11 @@ def test_it_keeps_the_protocols_promises() -> None:
     check_simulator(PyBulletSimulator, parts=parts, resets=60)
 
 
-def test_runs_repeat_in_town_in_a_tunnel_and_on_a_bridge() -> None:
+def test_runs_repeat_in_town_by_night_in_a_tunnel_and_on_a_bridge() -> None:
     catalogue = load_catalogue()
-    roads = [one for one in catalogue.maps if one.id in ("urban_three_lane", "tunnel", "bridge")]
-    scenes = [plain_scene(catalogue, road) for road in roads]
+    scenes = [plain_scene(catalogue, catalogue.map(road)) for road in ("tunnel", "bridge")]
+    night = Weather(fog_visual_range_m=50.0, sun_elevation_deg=-20.0)
+    scenes.append(plain_scene(catalogue, catalogue.map("urban_three_lane"), night))
     check_simulator(PyBulletSimulator, scenes=scenes, parts=REPEATED)
 
 
@@ -102,9 +100,8 @@ def test_ids_follow_the_states_order(
     assert (outside.ids == 1).sum() > 300
 
 
-def test_frames_are_the_same_after_another_scene_and_in_another_process(
+def test_frames_are_the_same_after_another_scene(
     simulator: PyBulletSimulator, camera: Camera, make_scene: MakeScene, make_actor: MakeActor,
-    tmp_path: Path,
 ) -> None:  # fmt: skip
     weathers: list[dict[str, object]] = [
         {},
@@ -127,22 +124,6 @@ def test_frames_are_the_same_after_another_scene_and_in_another_process(
     simulator.reset(make_scene(make_actor("bus", 30.0), road="rural_curve"), 1)
     simulator.render(camera)
     assert [show(simulator, scene) for scene in reversed(scenes)] == first[::-1]
-    (tmp_path / "scene.json").write_text(scenes[1].to_json())
-    code = f"""
-import hashlib
-from oodscen.protocols import Camera, Control
-from oodscen.data._scene import Scene
-from oodscen_pybullet import PyBulletSimulator
-with PyBulletSimulator() as one:
-    one.reset(Scene.load({str(tmp_path / "scene.json")!r}), 7)
-    for _ in range(3):
-        one.step(Control(acceleration=-0.5, steering=0.02))
-    frame = one.render(Camera(160, 120))
-    parts = (frame.rgb, frame.depth, frame.ids)
-    print(hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest())
-"""
-    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert ran.stdout.strip() == first[1]
 
 
 def test_a_twin_differs_by_its_hazard_only(

@@ -16,8 +16,9 @@ from oodscen.driving._roads.building import load_corridor, read_map
 from oodscen.driving._roads.network import KINDS
 from oodscen.errors import SceneError, SimulatorError, SpawnError
 from oodscen.protocols import Control, State
-from oodscen.testing import simulator_checks
-from oodscen.testing._kit.samples import sample_scene
+from oodscen.testing import check_simulator
+from oodscen.testing._check import QUICK
+from oodscen.testing._kit.samples import plain_scene, sample_scene
 from tests.adapters.missing import told_without
 from tests.driving import networks as opendrive
 from tests.driving.networks import lane
@@ -34,9 +35,13 @@ def actor(behaviour: str, *, id: str = "a", asset: str = "car", ahead: float = 3
     return Actor(id=id, asset=asset, placement=Placement(ahead_m=ahead), behaviour=doing)
 
 
-@pytest.mark.parametrize("check", simulator_checks(SumoSimulator, quick=True), ids=str)
-def test_it_keeps_the_protocols_promises(check) -> None:
-    check()
+@pytest.mark.parametrize("part", QUICK)
+def test_it_keeps_the_protocols_promises(part) -> None:
+    # One street and one road that bends: what does not repeat does so on any road.
+    scenes = [
+        plain_scene(CATALOGUE, CATALOGUE.map(road)) for road in ("urban_avenue", "rural_curve")
+    ]
+    check_simulator(SumoSimulator, scenes=scenes, parts=(part,))
 
 
 def test_every_driving_lane_has_a_lane_of_sumo_in_its_middle() -> None:

@@ -106,7 +106,7 @@ def spot_on(body: Pose, place: Pose) -> Pose:
     return np.array([dx * cosine + dy * sine, dy * cosine - dx * sine])
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(
     sound_motions(), st.integers(0, 5), st.sampled_from(LEADS), st.sampled_from(PLACES),
     st.sampled_from([0.0, 1.0]),
@@ -140,7 +140,7 @@ def test_no_body_moves_faster_than_it_can(
     assert abs(world.motion("thing").speed) * dt <= most or motion.frame == "other"
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(
     sound_motions().filter(lambda one: one.frame == "start" and one.by == "time"),
     st.integers(0, 5),

@@ -340,7 +340,7 @@ JUNK = st.recursive(
 )
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=150)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=75)
 @given(method=st.sampled_from(PROCEDURES) | st.text(max_size=10), values=st.lists(JUNK, max_size=5))
 def test_junk_is_refused_and_never_fails_the_server(staged, method, values):
     answer = staged.ask(method, *values)
@@ -348,7 +348,7 @@ def test_junk_is_refused_and_never_fails_the_server(staged, method, values):
     staged.tick()
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=150)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=75)
 @given(kind=st.integers(-1, 24), values=st.lists(st.just(24) | JUNK, max_size=6))
 def test_junk_in_batches_is_refused(staged, kind, values):
     assert isinstance(staged.ask("apply_batch", [[[kind, values]]], False), list)
