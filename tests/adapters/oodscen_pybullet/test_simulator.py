@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from oodscen_pybullet import PyBulletSimulator
 from oodscen_pybullet._catalogue import load_catalogue
+from oodscen_pybullet._meshes import SMOKING
 
-from oodscen.data._catalogue import Asset
+from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._details import Details
 from oodscen.data._scene import Actor, Scene, Weather
 from oodscen.driving._motion.boxes import Footprint, gap
@@ -33,6 +34,18 @@ def test_it_keeps_the_protocols_promises() -> None:
     # How every asset looks in every state is looked at below and in the tests of the catalogue.
     parts = [part for part in PARTS if part not in ("appearance", *REPEATED)]
     check_simulator(PyBulletSimulator, parts=parts, resets=60)
+
+
+class Fires(PyBulletSimulator):
+    """Offers what smokes alone, and a car."""
+
+    def catalogue(self) -> Catalogue:
+        whole = super().catalogue()
+        return whole.model_copy(update={"assets": [whole.asset(one) for one in ("car", *SMOKING)]})
+
+
+def test_smoke_may_leave_its_box() -> None:
+    check_simulator(Fires, parts=["appearance"])
 
 
 def test_runs_repeat_in_town_by_night_in_a_tunnel_and_on_a_bridge() -> None:
