@@ -58,8 +58,8 @@ def text_fault(word: str) -> str:
 
 
 def folded_words(text: str) -> str:
-    """Return a text without case and punctuation, for comparisons."""
-    return " ".join(re.findall(r"[^\W_]+", text.casefold()))
+    """Return a text without case and punctuation, for comparisons; spellings of one accent are equal."""
+    return " ".join(re.findall(r"[^\W_]+", unicodedata.normalize("NFC", text.casefold())))
 
 
 def printable(text: str) -> str:

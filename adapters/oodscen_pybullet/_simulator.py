@@ -179,11 +179,12 @@ class PyBulletSimulator(MirrorSimulator):
         looks = self._cast.looks(self._poses, self._speeds, accelerations, fired, time)
         for row, tilt in tilts.items():
             looks[row] = looks[row]._replace(tilt=tilt_of(*tilt))
-        self._show_actors(stage, looks, is_inside=_is_inside(view, self._poses[0]))
+        is_inside = _is_inside(view, self._poses[0])
+        self._show_actors(stage, looks, is_inside=is_inside)
         poses = self._poses_on(scenery)
         stage.pose_actors(poses)
         shot, light, portal = self._take(stage, view, poses[0][2])
-        lamps, balls = _lamps_and_smoke(looks, poses)
+        lamps, balls = _lamps_and_smoke(looks, poses, is_inside=is_inside)
         picture = RawPicture(
             shot=shot,
             view=view,
@@ -289,14 +290,14 @@ class PyBulletSimulator(MirrorSimulator):
 
 
 def _lamps_and_smoke(
-    looks: Sequence[Look], poses: Sequence[Pose]
+    looks: Sequence[Look], poses: Sequence[Pose], *, is_inside: bool
 ) -> tuple[list[Lamp], list[PlacedPuff]]:
-    """Return the lit lamps of all bodies but the ego, and the smoke of all, in world coordinates."""
+    """Return the lit lamps, from inside without the ego's, and the smoke, in world coordinates."""
     lamps, balls = [], []
     for row, (look, (x, y, z, yaw)) in enumerate(zip(looks, poses, strict=True)):
         mesh, position = mesh_of(look), (x, y, z)
         sin, cos = exact.sincos(yaw)
-        if row > 0:
+        if row > 0 or not is_inside:
             lamps += [lamp.placed(position, (cos, sin)) for lamp in mesh.lamps]
         balls += [PlacedPuff(puff.placed(position, (cos, sin)), row) for puff in mesh.puffs]
     return lamps, balls

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from oodscen._numbers import finite_number
-from oodscen.baselines._ordinary import bare
+from oodscen._text import folded_words
 from oodscen.baselines._texts import check_texts
 from oodscen.data._base import Data
-from oodscen.encoders._similarity import unit
+from oodscen.encoders._similarity import TIE, unit
 from oodscen.errors import DataError, Issue, UsageError
 
 _BLOCK = 512
@@ -28,7 +28,7 @@ _ROUNDING = 1e-6
 """Amount by which rounding may leave the cosine of two equal rows below 1."""
 
 _NUMBERS = "iuf"
-"""Kinds of the elements of embeddings; an array of others is one of texts."""
+"""Kinds of the dtypes of embeddings; any other array holds texts."""
 
 
 class Duplicate(Data):
@@ -100,9 +100,10 @@ def _report(
             values = product(rows, columns)
             if start == first:
                 values = np.where(np.tri(len(values), k=-1, dtype=bool), values, -np.inf)
-            column = values.argmax(axis=1)
+            largest = values.max(axis=1, keepdims=True)
+            column = (values >= largest - TIE).argmax(axis=1)
             value = np.take_along_axis(values, column[:, None], axis=1)[:, 0]
-            is_better = value > best[rows]
+            is_better = value > best[rows] + TIE
             nearest[rows] = np.where(is_better, column + start, nearest[rows])
             best[rows] = np.where(is_better, value, best[rows])
     repeated = np.flatnonzero((best >= threshold - _ROUNDING) & (best > 0.0))
@@ -155,5 +156,5 @@ def _jaccard(texts: Sequence[str]) -> Product:
 
 
 def _grams(text: str) -> set[str]:
-    letters = f" {bare(text) or text.strip()} "
+    letters = f" {folded_words(text) or text.strip()} "
     return {letters[start : start + 3] for start in range(len(letters) - 2)}

@@ -16,6 +16,7 @@ import numpy as np
 
 from oodscen._files import bundled
 from oodscen._seeding import stream
+from oodscen._text import folded_words
 from oodscen.baselines._baseline import Baseline
 from oodscen.baselines._handwritten import handwritten_driving
 from oodscen.errors import UsageError
@@ -70,15 +71,10 @@ def draw(size: int, *, seed: int = 0) -> tuple[str, ...]:
         if len(texts) == size:
             break
         text = _Text(rules, situations[turn % len(situations)], draws).write()
-        texts.setdefault(bare(text), text)
+        texts.setdefault(folded_words(text), text)
     if len(texts) < size:
         raise UsageError(f"the grammar gave {len(texts)} distinct texts, not {size}")
     return tuple(texts.values())
-
-
-def bare(text: str) -> str:
-    """Return a text without case and punctuation."""
-    return " ".join(re.findall(r"\w+", text.casefold()))
 
 
 class _Text:

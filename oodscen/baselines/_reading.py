@@ -18,8 +18,8 @@ _LINE_END = re.compile(r"\r\n|\r|\n")
 _OBJECT = r"\s*\{(?!\s*\w[^\"':{}]*\})"
 _TEXT_OBJECT = re.compile(_OBJECT)
 """Beginning of a JSON object; `{deer} on the road` is a text."""
-_TEXT_LIST = re.compile(rf"\s*\[(?:\s*(?:[\"\]]|$)|{_OBJECT})")
-"""Beginning of a JSON list of strings or objects; `[Night] A deer stands.` is a text."""
+_TEXT_LIST = re.compile(rf"\s*\[(?:\s*(?:[\"\]]|$)|[ \t]*[\r\n]|{_OBJECT})")
+"""Beginning of a JSON list of strings or objects, or of any on several lines; `[Night] A deer stands.` is a text."""
 _ONLY_LINE = re.compile(r" at line 1 (?=column \d+$)")
 """Place that a fault names in a line that was parsed alone."""
 

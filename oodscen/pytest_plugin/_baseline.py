@@ -10,6 +10,7 @@ from oodscen.errors import StudyError, UsageError
 
 Outcome = Literal["passed", "failed"]
 Change = Literal["same", "regression", "known", "improved", "new"]
+"""The change of an outcome: still passed, now failed, still failed, now passed, or no known outcome."""
 
 
 class KnownTest(Data):

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from oodscen._files import check_name
 from oodscen._study_files import refuse_inside
 from oodscen._text import printable
 from oodscen.errors import OodscenError, UsageError
@@ -77,6 +78,7 @@ class DrivingSession:
             if self._mode != "compare":
                 raise UsageError(f"--oodscen-baseline-mode {self._mode} needs --oodscen-baseline")
             return KnownOutcomes(tests={})
+        check_name(self._file)
         if self._mode != "compare" and not self._file.exists():
             return KnownOutcomes(tests={})
         if self._mode != "write":
@@ -248,7 +250,9 @@ class DrivingSession:
         if self._file is None:
             return item.nodeid
         path = Path(os.path.relpath(item.path, self._file.parent)).as_posix()
-        return f"{path}::{item.nodeid.partition('::')[2]}"
+        test = f"{path}::{item.nodeid.partition('::')[2]}"
+        # Names of files need not be UTF-8, the baseline must.
+        return test.encode("utf-8", "backslashreplace").decode()
 
     def _add_properties(
         self,

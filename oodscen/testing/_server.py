@@ -12,7 +12,8 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, Literal, Self, get_args
 
 from oodscen._display import Brief
-from oodscen.errors import LLMError
+from oodscen._redaction import secrets_in
+from oodscen.errors import LLMError, UnknownComponent
 from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.llm._remote.wire import provider_seed
 from oodscen.protocols import LLM, Completion, Request
@@ -84,7 +85,8 @@ class AnsweringServer(Brief):
     A chat request carries text and pictures but not the typed question that `llm` needs. So `client` returns
     a `LiteLLM` that announces every question to the server just before sending it. The server recognises the
     question by the request's roles, texts, picture hashes and seed. A request that was altered on its way is not
-    recognised and is refused with status 400.
+    recognised and is refused with status 400. Where `llm` or `faults` raises anything but an `LLMError`, or a fault
+    is unknown, that request is refused likewise, and the with block ends with the exception.
 
     Args:
         llm: The model that answers.
@@ -105,6 +107,8 @@ class AnsweringServer(Brief):
         self._questions: dict[str, Request] = {}
         self._lock = threading.Lock()
         self._http: ThreadingHTTPServer | None = None
+        self._failure: Exception | None = None
+        """The first exception of `llm` or `faults` that is no `LLMError`."""
 
     def __enter__(self) -> Self:
         self._http = _Server(self)
@@ -116,6 +120,9 @@ class AnsweringServer(Brief):
             self._http.shutdown()
             self._http.server_close()
             self._http = None
+        failure, self._failure = self._failure, None
+        if failure is not None:
+            raise failure
 
     @property
     def api_base(self) -> str:
@@ -135,7 +142,7 @@ class AnsweringServer(Brief):
         settings = {"sleep": lambda seconds: None, "api_base": self.api_base, **settings}
         return _Announcing(self, LiteLLM(model, seed=seed, **settings))
 
-    def announce(self, request: Request, seed: int) -> None:
+    def _announce(self, request: Request, seed: int) -> None:
         """Register a question that a client is about to send with a provider seed."""
         turns = [
             (message.role, message.text, [image.sha256 for image in message.images])
@@ -144,7 +151,7 @@ class AnsweringServer(Brief):
         with self._lock:
             self._questions[_key(turns, seed)] = request
 
-    def recognise(self, received: Received) -> Request | None:
+    def _recognise(self, received: Received) -> Request | None:
         """Return the announced question that a conversation asks, or `None`."""
         turns = []
         for message in received.messages:
@@ -153,15 +160,27 @@ class AnsweringServer(Brief):
         with self._lock:
             return self._questions.get(_key(turns, received.body.get("seed")))
 
-    def record(self, received: Received) -> int:
+    def _record(self, received: Received) -> int:
         """Store a request and return its index."""
         with self._lock:
             self.received.append(received)
             return len(self.received) - 1
 
-    def fault(self, index: int, request: Request | None) -> Fault | None:
-        """Return the fault to produce for a request, or `None`."""
-        return self._faults(index, request) if self._faults else None
+    def _fault(self, index: int, request: Request | None) -> Fault | None:
+        """Return the fault to produce for a request, or `None`.
+
+        Raises:
+            UnknownComponent: If `faults` returns something else.
+        """
+        fault = self._faults(index, request) if self._faults else None
+        if fault is not None and fault not in get_args(Fault):
+            raise UnknownComponent("fault", str(fault), get_args(Fault))
+        return fault
+
+    def _fail(self, error: Exception) -> None:
+        """Keep an exception for the end of the with block."""
+        with self._lock:
+            self._failure = self._failure or error
 
 
 class _Server(ThreadingHTTPServer):
@@ -183,7 +202,7 @@ class _Announcing:
 
     def complete(self, request: Request) -> Completion:
         seed = provider_seed(self.client.seed, request.sample, request.attempt, request.repeat)
-        self._server.announce(request, seed)
+        self._server._announce(request, seed)
         return self.client.complete(request)
 
 
@@ -228,8 +247,8 @@ def _parsed(body: bytes, headers: dict[str, str]) -> Received:
             raise TypeError("a role is not text")
     if not isinstance(document["model"], str):
         raise TypeError("the model is not text")
-    headers = {k: v for k, v in headers.items() if k not in ("authorization", "api-key")}
-    return Received(document, headers, tuple(pictures))
+    kept = {k: v for k, v in headers.items() if k != "cookie" and not secrets_in({k: v})}
+    return Received(document, kept, tuple(pictures))
 
 
 class _Handler(BaseHTTPRequestHandler):
@@ -247,17 +266,22 @@ class _Handler(BaseHTTPRequestHandler):
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             return self._error(400, f"unreadable request: {error!r:.200}")
         server = self.server.answering
-        index = server.record(received)
-        request = server.recognise(received)
-        fault = server.fault(index, request)
-        if fault is not None and fault in get_args(ResponseFault):
-            return self._misbehave(fault)
-        if request is None:
-            return self._error(400, "this conversation was not announced, or arrived changed")
+        index = server._record(received)
+        request = server._recognise(received)
+        completion: Completion | None = None
         try:
-            completion = server.llm.complete(request)
+            fault = server._fault(index, request)
+            if request is not None and fault not in get_args(ResponseFault):
+                completion = server.llm.complete(request)
         except LLMError as error:
             return self._error(400, str(error))
+        except Exception as error:
+            server._fail(error)
+            return self._error(400, f"{type(error).__name__}: {error}")
+        if fault is not None and fault in get_args(ResponseFault):
+            return self._misbehave(fault)
+        if completion is None:
+            return self._error(400, "this conversation was not announced, or arrived changed")
         message = _message(_faulty_text(completion.text, fault), completion.instead)
         reason = _finish_reason(completion, fault)
         document = _chat_completion(received, message, reason)
@@ -289,7 +313,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._pour(_JSON_HEAD, b" ", _PAUSE_S)
         elif fault == "huge":
             self._pour(_JSON_HEAD, b" " * 65_536, 0.0)
-        self.close_connection = True
+        self.close_connection = True  # Which is all that `reset` does.
 
     def _pour(self, head: bytes, piece: bytes, pause_s: float) -> None:
         """Send pieces until the client disconnects."""

@@ -3,8 +3,9 @@ from collections import Counter
 
 import pytest
 
+from oodscen._text import folded_words
 from oodscen.baselines._controls import load_controls
-from oodscen.baselines._ordinary import bare, ordinary_driving
+from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.errors import UsageError
 
 TUNE, FROZEN = load_controls("tune"), load_controls("frozen")
@@ -25,7 +26,7 @@ def test_the_halves_are_equal_and_share_nothing():
     assert len(TUNE) == len(FROZEN)
     assert not {control.pair for control in TUNE} & {control.pair for control in FROZEN}
     assert len({control.id for control in ALL}) == len(ALL)
-    assert len({bare(control.text) for control in ALL}) == len(ALL)
+    assert len({folded_words(control.text) for control in ALL}) == len(ALL)
 
 
 def test_the_split_is_decided_by_the_hash_of_the_pair():
@@ -66,7 +67,7 @@ def test_sentences_of_different_pairs_differ():
 
 
 def _grams(text):
-    letters = bare(text)
+    letters = folded_words(text)
     return {letters[i : i + 3] for i in range(len(letters) - 2)}
 
 

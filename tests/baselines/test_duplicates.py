@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from oodscen._text import folded_words
 from oodscen.baselines._duplicates import near_duplicates
-from oodscen.baselines._ordinary import bare, ordinary_driving
+from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.errors import DataError, UsageError
 
 quick = settings(deadline=None, max_examples=40)
@@ -17,7 +18,7 @@ rows = st.lists(st.lists(st.integers(-3, 3), min_size=3, max_size=3), min_size=1
 
 
 def _grams(text):
-    letters = f" {bare(text)} "
+    letters = f" {folded_words(text)} "
     return {letters[i : i + 3] for i in range(len(letters) - 2)}
 
 
@@ -66,6 +67,7 @@ def test_case_and_punctuation_play_no_part():
     report = near_duplicates(["A car waits.", "Ego turns.", "a CAR waits", "a car, waits!"], 1.0)
     assert [(item.index, item.of) for item in report.found] == [(2, 0), (3, 0)]
     assert report.kept == (0, 1)
+    assert near_duplicates(["\u00c9cole here", "E\u0301cole here"], 1.0).found
 
 
 def test_a_report_of_many_copies_is_no_larger_than_they_are():
@@ -124,3 +126,12 @@ def test_a_threshold_must_make_sense(threshold):
 def test_the_handwritten_part_repeats_nothing():
     report = near_duplicates(ordinary_driving().texts, 0.7)
     assert [item for item in report.found if item.index >= 2000] == []
+
+
+@pytest.mark.parametrize("n_dimensions", [16, 384])
+def test_copies_that_differ_by_rounding_resemble_the_first(n_dimensions):
+    directions = np.random.default_rng(0).normal(size=(40, n_dimensions)).astype(np.float32)
+    rows = np.vstack([directions * length for length in np.linspace(1.0, 3.0, 30)])
+    found = near_duplicates(rows.astype(np.float32), 0.999).found
+    assert len(found) == 29 * 40
+    assert [item.of for item in found] == [item.index % 40 for item in found]

@@ -1,14 +1,14 @@
 import re
 
+from oodscen._text import folded_words
 from oodscen.baselines._handwritten import by_subject, handwritten_driving
-from oodscen.baselines._ordinary import bare
 
 TEXTS = handwritten_driving().texts
 
 
 def test_there_are_enough_on_many_subjects_and_all_differ():
     assert len(TEXTS) >= 1200
-    assert len({bare(text) for text in TEXTS}) == len(TEXTS)
+    assert len({folded_words(text) for text in TEXTS}) == len(TEXTS)
     assert len(by_subject()) >= 60
     assert min(len(texts) for texts in by_subject().values()) >= 5
 

@@ -4,8 +4,9 @@ import sys
 
 import pytest
 
+from oodscen._text import folded_words
 from oodscen.baselines._handwritten import handwritten_driving
-from oodscen.baselines._ordinary import bare, draw, ordinary_driving
+from oodscen.baselines._ordinary import draw, ordinary_driving
 from oodscen.errors import UsageError
 
 
@@ -22,7 +23,7 @@ def many():
 def test_the_baseline_is_drawn_and_written_by_hand_and_all_its_texts_differ(drawn):
     texts = ordinary_driving().texts
     assert texts == drawn + handwritten_driving().texts
-    assert len({bare(text) for text in texts}) == len(texts)
+    assert len({folded_words(text) for text in texts}) == len(texts)
 
 
 def test_another_process_draws_the_same():

@@ -220,6 +220,14 @@ def test_a_json_list_needs_no_suffix(tmp_path, content):
     assert [record.text for record in read_records(tmp_path / "t.txt")] == ["A deer."]
 
 
+@pytest.mark.parametrize("first", ["null", "1", '["A fox.", "animals"]'])
+def test_a_list_on_several_lines_is_read_as_json_whatever_is_first(tmp_path, first):
+    (tmp_path / "texts").write_text(f'[\n  {first},\n  "A deer."\n]\n')
+    with pytest.raises(DataError) as caught:
+        read_records(tmp_path / "texts")
+    assert [issue.path for issue in caught.value.issues] == ["[0]"]
+
+
 def test_empty_fields_at_the_end_of_a_row_are_none(tmp_path):
     (tmp_path / "t.csv").write_text("text,leaf\nA deer.,a,,\n")
     assert [tuple(record) for record in read_records(tmp_path / "t.csv")] == [("A deer.", "a")]

@@ -1,6 +1,7 @@
 """Sessions of a toy stack's tests: their reports, grades, baselines and options."""
 
 import json
+import os
 import re
 import shutil
 from pathlib import Path
@@ -238,6 +239,18 @@ def test_a_requirement_without_a_drive_fails_and_says_so(session, pytester):
     assert session("Blind", "--oodscen-require=safe>=0", "--collect-only").ret == 0
 
 
+def test_a_baseline_holds_tests_whose_file_has_no_name_in_utf_8(session, pytester):
+    tests = pytester.path / "test_stack.py"
+    tests.rename(tests.with_name(os.fsdecode(b"test_\xff_test.py")))
+    # Pytest's own cache cannot write the name.
+    chosen = ("-p", "no:cacheprovider", "-k", "test_safe and kerb", "--oodscen-baseline=known.json")
+    write = ("--oodscen-baseline-mode=write",)
+    for options in (write, write, ()):
+        result = session("'rule-based'", *chosen, *options)
+        assert result.ret == pytest.ExitCode.OK
+    result.stdout.fnmatch_lines(["*known.json: 0 regressions, 0 new failures*"])
+
+
 def test_an_interrupted_session_says_that_nothing_is_written(session, pytester):
     with (pytester.path / "test_stack.py").open("a") as tests:
         tests.write("\n\ndef test_zz(scene):\n    __import__('pytest').exit('stop')\n")
@@ -267,6 +280,7 @@ def test_what_is_no_baseline_is_never_overwritten(session, pytester, text):
         (["--oodscen-require=notice>=0.5"], "no figure is called 'notice'"),
         (["--oodscen-baseline=none.json"], "does not exist"),
         (["--oodscen-baseline=test_stack.py"], "malformed baseline"),
+        (["--oodscen-baseline", "x" * 300], "cannot be the name of a file"),
         (["--oodscen-baseline-mode=update"], "needs --oodscen-baseline"),
         (["--oodscen-baseline", "../none.json"], "write --oodscen-baseline=../none.json"),
         (["-o", "oodscen_per_path=few"], "is not a number of scenes"),

@@ -11,7 +11,7 @@ import pytest
 
 from oodscen._concurrency import as_finished
 from oodscen.data._messages import Image
-from oodscen.errors import LLMError
+from oodscen.errors import LLMError, UnknownComponent
 from oodscen.llm._ask import ask
 from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.prompts._judging.describe_frame import DescribeFrame
@@ -150,6 +150,40 @@ def test_a_failure_of_the_model_is_an_error_of_the_server():
     server = AnsweringServer(ScriptedLLM(fail))
     with server, pytest.raises(LLMError, match="the author is out"):
         ask(server.client("m"), IMAGINE)
+
+
+def test_an_exception_of_the_double_is_told_and_ends_the_with_block():
+    def fail(asked):
+        raise FileNotFoundError("no answers.json")
+
+    server = AnsweringServer(ScriptedLLM(fail))
+    told = pytest.raises(LLMError, match="FileNotFoundError: no answers")
+    with pytest.raises(FileNotFoundError, match="no answers"), server, told:
+        ask(server.client("m"), IMAGINE)
+
+
+def test_an_unknown_fault_is_refused_with_the_known_ones():
+    server = AnsweringServer(ScriptedLLM(echo), faults=lambda index, asked: "truncate")
+    told = pytest.raises(LLMError, match="unknown fault 'truncate'")
+    refused = pytest.raises(UnknownComponent, match=r"did you mean truncated.*http500")
+    with refused, server, told:
+        ask(server.client("m"), IMAGINE)
+    server = AnsweringServer(ScriptedLLM(echo), faults=lambda index, asked: 1 // 0)
+    with pytest.raises(ZeroDivisionError), server, pytest.raises(LLMError):
+        ask(server.client("m"), IMAGINE)
+
+
+def test_received_headers_hold_no_credentials():
+    names = "authorization api-key x-api-key x-goog-api-key proxy-authorization cookie".split()
+    sent = {"x-team": "roads", **dict.fromkeys(names, "Bearer hunter2hunter2")}
+    with AnsweringServer(ScriptedLLM(echo)) as server:
+        data = json.dumps({"model": "m", "messages": [HELLO]}).encode()
+        request = urllib.request.Request(f"{server.api_base}/chat/completions", data, sent)
+        with pytest.raises(urllib.error.HTTPError) as caught:
+            urllib.request.urlopen(request, timeout=5.0)
+        caught.value.close()
+    assert server.received[0].headers["x-team"] == "roads"
+    assert not {*names} & {*server.received[0].headers}
 
 
 def test_the_address_is_gone_with_the_context():

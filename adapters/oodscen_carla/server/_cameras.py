@@ -16,6 +16,8 @@ Pose = tuple[float, float, float, float]
 
 _AWAY_M = 5_000.0
 """Distance at which a stand-in waits where a picture has no vehicle of its own, m."""
+_STAND_IN = "(stand-in)"
+"""Name of the stand-in, which no actor can have."""
 
 
 @runtime_checkable
@@ -57,7 +59,7 @@ class PicturedBody(NamedTuple):
     key: int
     """The actor's id."""
     name: str
-    """The name by which its paint is chosen."""
+    """The name by which its paint, lamps and details are chosen."""
     asset: Asset
     state: str
     pose: Pose
@@ -67,7 +69,7 @@ class PicturedBody(NamedTuple):
 
 
 class View(NamedTuple):
-    """Everything that a picture shows, and from where."""
+    """The camera of a picture, its place and the time."""
 
     camera: Camera
     mount: Pose
@@ -130,7 +132,7 @@ class CameraRenderer:
         x, y, _, yaw = mount
         ground = road.point(road.locate(x, y)[0], 0.0)[2]
         pose = (x - _AWAY_M * math.cos(yaw), y - _AWAY_M * math.sin(yaw), ground, 0.0)
-        return PicturedBody(0, "ego", self._renderer.catalogue().ego, "", pose, 0.0, 0.0)
+        return PicturedBody(0, _STAND_IN, self._renderer.catalogue().ego, "", pose, 0.0, 0.0)
 
     def _load(self, scene: Scene, seed: int, road: Corridor, shown: Sequence[PicturedBody]) -> None:
         """Load the scene and its bodies, unless the last picture showed the same."""
@@ -139,7 +141,6 @@ class CameraRenderer:
             return
         self._loaded = None
         self._renderer.load(road, scene, seed)
-        for row, body in enumerate(shown):
-            name = body.name if row else "ego"
-            self._renderer.spawn(name, body.asset, body.state, body.pose)
+        for body in shown:
+            self._renderer.spawn(body.name, body.asset, body.state, body.pose)
         self._loaded = (scene, seed, looks)

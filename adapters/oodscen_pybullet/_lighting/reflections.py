@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from oodscen.numerics._kernels import Kernel
+from oodscen.numerics._kernels import Kernel, inlined
 from oodscen_pybullet._rendering.triangles import GROUND, MIRROR, SHELTERED, SOFT
-from oodscen_pybullet._types import F32, U8
+from oodscen_pybullet._types import F32, I32, U8
 
 _FARTHEST_M = np.float32(300.0)
 """Depth from which wet ground reflects nothing, m."""
@@ -24,6 +24,15 @@ _HASH = np.uint64(2654435761)
 """Multiplier of Knuth's multiplicative hash."""
 
 
+@inlined
+def _mirrored_row(row: int, column: int, distance: np.float32, depth: F32, standing: I32) -> int:
+    """Return the lowest row, from one upwards, that ground at a distance mirrors; -1 if there is none."""
+    source: int = standing[row, column]
+    while source >= 0 and depth[source, column] < distance:
+        source = standing[source - 1, column] if source > 0 else -1
+    return source
+
+
 @Kernel
 def add_reflections(
     image: U8,
@@ -38,8 +47,8 @@ def add_reflections(
     Column by column, the picture is mirrored at a row. For water that is the lowest row above it that shows no
     road, of a bank for instance. For wet ground it is the lowest row of what stands on the ground, or of the sky:
     it mirrors neither level ground nor what is nearer than itself, and what is above them in the picture takes
-    their place. Rough wet asphalt smears the reflection into streaks; a puddle keeps it sharp. A column of ground
-    only has nothing to mirror, and stays as it is.
+    their place. Rough wet asphalt smears the reflection into streaks; a puddle keeps it sharp. Where there is nothing
+    to mirror, as in a column of ground only, the picture stays as it is.
 
     Args:
         image: [height, width, 3], changed in place.
@@ -54,7 +63,7 @@ def add_reflections(
     # The lowest row so far that water, and that wet ground, is mirrored at; and the latter for every pixel.
     bank, foot = np.full(width, -1, np.int32), np.full(width, -1, np.int32)
     standing = np.empty((height, width), np.int32)
-    is_first = np.ones(width, np.bool_)
+    is_blank = np.ones(width, np.bool_)  # The column has no reflection yet.
     reflection = np.zeros((width, 3), np.float32)
     for y in range(height):
         for x in range(width):
@@ -65,7 +74,7 @@ def add_reflections(
                 foot[x] = y
             standing[y, x] = foot[x]
             if not (is_water or is_open):
-                bank[x], is_first[x] = y, True
+                bank[x], is_blank[x] = y, True
                 continue
             mirror_row = bank[x] if is_water else foot[x]
             if mirror_row < 0 or (not is_water and wet <= zero):
@@ -80,12 +89,11 @@ def add_reflections(
                 share, keep = wet * grazing * grazing, _SMEAR
             source = max(2 * mirror_row + 1 - y, 0)
             if not is_water:
-                source = standing[source, column]
-                while source > 0 and depth[source, column] < distance:
-                    source = standing[source - 1, column]
-                source = max(source, 0)
-            if is_first[x]:
-                is_first[x], keep = False, zero
+                source = _mirrored_row(source, column, distance, depth, standing)
+                if source < 0:
+                    continue
+            if is_blank[x]:
+                is_blank[x], keep = False, zero
             grey = np.float32(image[source, column, 0]) + np.float32(image[source, column, 1])
             grey = (grey + np.float32(image[source, column, 2])) * np.float32(1.0 / 3.0)
             # The sky near the horizon is paler than the sky above, and water is murky.

@@ -294,6 +294,7 @@ class Positions:
         """Return the pose of a `Position`, or `None` after recording that it cannot be used."""
         node = next(holder.children(), None)
         if node is None:
+            holder.leave_out("is empty")
             return None
         reader = _READERS.get(node.name)
         place = None if reader is None else reader(self, node)

@@ -15,6 +15,11 @@ class _Action(NamedTuple):
     reference: str
     """The entity to which the position is relative, or an empty text."""
 
+    @property
+    def is_move(self) -> bool:
+        """True if it is relative to its own entity: it needs the earlier place, and so replaces nothing."""
+        return self.reference == self.entity
+
 
 def read_starts(root: Element, positions: Positions) -> None:
     """Read where all entities start.
@@ -22,19 +27,18 @@ def read_starts(root: Element, positions: Positions) -> None:
     The actions are taken in order, and the last place of an entity counts. An action that is relative to an
     entity without a place waits until that has one.
     """
-    taken, waiting = _taken(_actions(root, positions), positions)
-    last = {action.entity: action for action in taken if action.entity not in waiting}
-    needed: set[_Action | None] = set(last.values())
-    for action in reversed(taken):
-        if action in needed:
-            needed.add(taken[action])
-    for action in taken:
-        if action in needed and (place := positions.read(action.position)):
+    actions = _actions(root, positions)
+    _note_replaced(actions)
+    order = _Order(positions)
+    for action in actions:
+        order.add(action)
+    for action in order.needed():
+        if place := positions.read(action.position):
             positions.places[action.entity] = place
-    for entity in waiting:
+    for entity in order.waiting:
         positions.places.pop(entity, None)
-    for first, *_ in waiting.values():
-        positions.read(first.position)  # Records why it cannot be read.
+    for own in order.waiting.values():
+        positions.read(own[0].position)  # Records why it cannot be read.
 
 
 def _actions(root: Element, positions: Positions) -> list[_Action]:
@@ -46,39 +50,61 @@ def _actions(root: Element, positions: Positions) -> list[_Action]:
     ]
 
 
-def _taken(
-    actions: Iterable[_Action], positions: Positions
-) -> tuple[dict[_Action, _Action | None], dict[str, list[_Action]]]:
-    """Return the actions in the order taken, and by entity those that still wait; note which are replaced.
-
-    With each comes the action that placed its reference.
-    """
-    taken: dict[_Action, _Action | None] = {}
-    last: dict[str, _Action] = {}
-    waiting: dict[str, list[_Action]] = {}
-    replaceable: dict[str, list[_Action]] = {}
-
-    def is_ready(action: _Action) -> bool:
-        if not action.reference:
-            return positions.can_read(action.position)
-        is_known = action.reference == action.entity or action.reference not in waiting
-        return is_known and action.reference in last
-
+def _note_replaced(actions: Iterable[_Action]) -> None:
+    """Note the actions that count no more because their entity is placed again."""
+    earlier: dict[str, list[_Action]] = {}
     for action in actions:
-        if action.reference != action.entity:
-            waiting.pop(action.entity, None)
-            for replaced in replaceable.pop(action.entity, ()):
+        if not action.is_move:
+            for replaced in earlier.pop(action.entity, ()):
                 reason = f"{action.entity[:40]!r} is placed again later, which counts"
                 replaced.position.leave_out(reason)
-        replaceable.setdefault(action.entity, []).append(action)
-        waiting.setdefault(action.entity, []).append(action)
-        while ready := next((own[0] for own in waiting.values() if is_ready(own[0])), None):
-            waiting[ready.entity].remove(ready)
-            if not waiting[ready.entity]:
-                del waiting[ready.entity]
-            taken[ready] = last.get(ready.reference)
-            last[ready.entity] = ready
-    return taken, waiting
+        earlier.setdefault(action.entity, []).append(action)
+
+
+class _Order:
+    """The order in which actions are taken, each after the one that places its reference."""
+
+    def __init__(self, positions: Positions) -> None:
+        self._positions = positions
+        self._taken: dict[_Action, _Action | None] = {}
+        """The actions in order, each with the one that placed its reference."""
+        self._last: dict[str, _Action] = {}
+        """The last action taken of each entity."""
+        self.waiting: dict[str, list[_Action]] = {}
+        """The actions of each entity that still wait, in order."""
+
+    def add(self, action: _Action) -> None:
+        """Take an action, and all that waited for it; or let it wait."""
+        if not action.is_move:
+            self.waiting.pop(action.entity, None)
+        self.waiting.setdefault(action.entity, []).append(action)
+        while ready := next(
+            (own[0] for own in self.waiting.values() if self._is_ready(own[0])), None
+        ):
+            self.waiting[ready.entity].remove(ready)
+            if not self.waiting[ready.entity]:
+                del self.waiting[ready.entity]
+            self._taken[ready] = self._last.get(ready.reference)
+            self._last[ready.entity] = ready
+
+    def _is_ready(self, action: _Action) -> bool:
+        if not action.reference:
+            return self._positions.can_read(action.position)
+        is_known = action.is_move or action.reference not in self.waiting
+        return is_known and action.reference in self._last
+
+    def needed(self) -> list[_Action]:
+        """Return the actions that give the last places, in order, with those that they are relative to.
+
+        Others are not read, so that what a later place replaces may be beyond the roads.
+        """
+        needed: set[_Action | None] = {
+            action for entity, action in self._last.items() if entity not in self.waiting
+        }
+        for action in reversed(self._taken):
+            if action in needed:
+                needed.add(self._taken[action])
+        return [action for action in self._taken if action in needed]
 
 
 def centre_of(name: str, entity: Element, positions: Positions) -> EntityPlace | None:
@@ -88,4 +114,5 @@ def centre_of(name: str, entity: Element, positions: Positions) -> EntityPlace |
     if place is None or centre is None:
         return place
     moved = place.moved(centre.number("x", 0.0), centre.number("y", 0.0))
+    # The lane and s that the file names are those of the reference point, not of the centre.
     return moved._replace(road=place.road, direction=place.direction)

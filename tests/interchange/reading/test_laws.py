@@ -399,6 +399,12 @@ def test_two_starts_that_wait_for_each_other_are_named_as_the_cause(tmp_path):
     assert "relative to 'a', whose place is not known" in str(caught.value)
 
 
+def test_an_empty_start_is_named_as_the_cause(tmp_path):
+    starts = [start("ego", lane(200), 10), start("a", ""), start("b", lane(240))]
+    found = read(tmp_path, file([entity("ego"), entity("a"), entity("b")], starts))
+    assert any("Position: is empty" in note for note in notes(found))
+
+
 def test_a_last_start_that_cannot_be_read_is_not_replaced_by_an_earlier_one(tmp_path):
     again = placed(GEO)
     text = cars().replace(

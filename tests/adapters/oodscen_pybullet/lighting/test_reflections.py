@@ -124,6 +124,12 @@ def test_ground_mirrors_nothing_that_is_nearer_than_itself() -> None:
     assert layered(wall, (5, 255, 35.0, PLAIN), road).max() > 70
 
 
+def test_ground_below_nothing_that_it_could_mirror_stays_as_it_is() -> None:
+    road = (20, 0, 30.0, GROUND)
+    assert layered((25, 255, 25.0, PLAIN), road).max() == 0
+    assert layered((1, 255, 55.0, GROUND), (19, 0, 25.0, PLAIN), road).max() == 0
+
+
 def test_water_mirrors_its_banks() -> None:
     sky, bank, water = (20, 0, 500.0, PLAIN), (20, 200, 40.0, GROUND + SOFT), (20, 0, 30.0, MIRROR)
     assert layered(sky, bank, water).min() > 80

@@ -1,0 +1,56 @@
+"""Vehicles look the same to all cameras, also to those that they carry."""
+
+import math
+
+import numpy as np
+import pytest
+from oodscen_carla.server._cameras import CameraRenderer, PicturedBody, View
+from oodscen_carla.server._depiction import LitVehicle, street_scene
+
+from oodscen import make_simulator
+from oodscen.data import Weather
+from oodscen.driving._roads.building import load_corridor
+from oodscen.protocols import Camera
+from tests.needs import needs
+
+pytestmark = needs("pybullet", "cv2", "numba")
+
+
+@pytest.fixture
+def simulator():
+    made = make_simulator("pybullet")
+    yield made
+    made.close()
+
+
+def test_a_vehicle_keeps_its_paint_and_lamps_where_a_camera_is_attached_to_it(simulator):
+    catalogue = simulator.catalogue()
+    road_map = next(each for each in catalogue.maps if each.id == "residential_two_lane")
+    taxi = next(each for each in catalogue.assets if each.id == "car")
+    road = load_corridor(road_map.id, catalogue)
+    x, y, z, yaw = road.point(road.start + 15.0, 0.0)
+    bodies = [PicturedBody(2, "taxi7", taxi, "", (x, y, z, yaw), 5.0, 0.0)]
+    behind = (x - 8.0 * math.cos(yaw), y - 8.0 * math.sin(yaw), z + 1.0, yaw)
+    view = View(Camera(width=160, height=120), behind, 0.0, 0.0)
+    night, renderer = Weather(sun_elevation_deg=-20.0), CameraRenderer(simulator)
+    scene = street_scene(road_map, catalogue, night, [LitVehicle("taxi7", "car")])
+    free, _ = renderer.take(scene, 0, bodies, view, has_host=False)
+    attached, _ = renderer.take(scene, 0, bodies, view, has_host=True)
+    assert np.array_equal(attached.rgb, free.rgb)
+
+
+def test_no_two_bodies_of_a_picture_have_one_name(simulator, monkeypatch):
+    catalogue, names = simulator.catalogue(), []
+    road_map = catalogue.maps[0]
+    x, y, z, yaw = load_corridor(road_map.id, catalogue).point(50.0, 0.0)
+    ego = PicturedBody(1, "ego", catalogue.ego, "", (x, y, z, yaw), 0.0, 0.0)
+    taxi = PicturedBody(2, "taxi7", catalogue.assets[0], "", (x + 9.0, y, z, yaw), 0.0, 0.0)
+    view = View(Camera(width=64, height=48), (x, y, z + 1.0, yaw), 0.0, 0.0)
+    scene = street_scene(road_map, catalogue, Weather(), [])
+    spawn = simulator.spawn
+    monkeypatch.setattr(simulator, "spawn", lambda *body: names.append(body[0]) or spawn(*body))
+    for has_host, n in ((True, 2), (False, 3)):
+        names.clear()
+        CameraRenderer(simulator).take(scene, 0, [taxi, ego], view, has_host=has_host)
+        assert len(set(names)) == len(names) == n
+        assert {"ego", "taxi7"} <= set(names)
