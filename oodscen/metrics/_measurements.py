@@ -5,11 +5,11 @@ nor the baseline.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Final, Self
+from typing import Annotated, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from oodscen import _paper as paper
 from oodscen._seeding import stream
@@ -35,6 +35,10 @@ _SIZES = 9
 _REPEATS = 8
 _LARGEST = 1000
 """Sizes, subsets of a size, and largest size of the curves of diversity."""
+
+
+_Similarity = Annotated[float, Field(ge=-1.1, le=1.1)]
+"""A mean of cosine similarities that the curves show with either sign, rounding included."""
 
 
 class OodnessPicture(Data):
@@ -68,8 +72,8 @@ class SizeCurve(Data):
     """Both diversities of random subsets, by their size."""
 
     sizes: tuple[int, ...]
-    nearest: tuple[float, ...]
-    pairwise: tuple[float, ...]
+    nearest: tuple[_Similarity, ...]
+    pairwise: tuple[_Similarity, ...]
 
     @model_validator(mode="after")
     def _is_whole(self) -> Self:

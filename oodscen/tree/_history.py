@@ -4,7 +4,7 @@ from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from oodscen._numbers import MOST, whole_number
-from oodscen.errors import UsageError
+from oodscen.errors import DataError, UsageError
 from oodscen.tree._edit_log import EditLog
 from oodscen.tree._edits import Node, TreeEdit, adding, edited
 
@@ -63,7 +63,7 @@ def undo(tree: "ScenarioTree", index: int | None = None) -> "ScenarioTree":
         raise UsageError(f"there is no edit {index}: the log has {size}")
     undoing = _Undoing(tree)
     undoing.undo(index % size)
-    return tree.apply(*undoing.inverses)
+    return undoing.applied()
 
 
 def _last_in_force(tree: "ScenarioTree") -> int:
@@ -94,7 +94,7 @@ def undo_round(tree: "ScenarioTree", round: int, *, origin: str = "") -> "Scenar
         if others:
             message += f" (others have one: {', '.join(sorted(map(repr, others)))})"
         raise UsageError(message)
-    return tree.apply(*undoing.inverses)
+    return undoing.applied()
 
 
 def undone_edits(edits: Sequence[TreeEdit]) -> set[int]:
@@ -152,6 +152,7 @@ class _Undoing:
     """Undoing in progress: the log of a tree, and the edits that undo earlier ones."""
 
     def __init__(self, tree: "ScenarioTree") -> None:
+        self._tree = tree
         self.log = tree._edit_log()
         self.undone = undone_edits(tree.edits)
         self.inverses: list[TreeEdit] = []
@@ -173,6 +174,14 @@ class _Undoing:
         steps = self._inverse(index)
         self.log.extend(len(self.log.log), steps)
         self.inverses += steps
+
+    def applied(self) -> "ScenarioTree":
+        """Return the tree with everything undone."""
+        try:
+            return self._tree.apply(*self.inverses)
+        except DataError as error:
+            why = "; ".join(issue.message for issue in error.issues)
+            raise UsageError(f"it cannot be undone in the tree as it is now: {why}") from None
 
     def _inverse(self, index: int) -> list[TreeEdit]:
         """Return the edits that undo one; of one that a later edit has replaced, only the record."""

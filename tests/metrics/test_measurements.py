@@ -72,6 +72,14 @@ def test_columns_that_belong_together_are_of_one_length(place):
         Measurements.parse(found)
 
 
+def test_curves_of_diversity_are_cosines():
+    texts = [Scenario(id=f"s-{i}", text=text, leaf="x") for i, text in enumerate(SETS["10"])]
+    found = measurements(Metrics(HashEncoder(), ORDINARY), {"10": texts}).model_dump(mode="json")
+    found["pictures"]["curves"]["10"]["nearest"][0] = 1e308
+    with pytest.raises(DataError, match=r"curves.10.nearest\[0\]"):
+        Measurements.parse(found)
+
+
 def test_the_same_seed_gives_the_same_pictures():
     one, other = (picture_data(Metrics(HashEncoder(), ORDINARY, seed=3), SETS) for _ in range(2))
     assert one == other
