@@ -186,9 +186,7 @@ def test_a_move_that_would_now_be_a_cycle_cannot_be_undone():
         TreeEdit(op="move", node="b", parent="environmental"),
         TreeEdit(op="move", node="a", parent="b"),
     )
-    with pytest.raises(
-        UsageError, match="cannot be undone in the tree as it is now: .*cycle"
-    ) as caught:
+    with pytest.raises(UsageError, match=r"cannot be undone in the tree .*cycle") as caught:
         tree.undo(5)
     assert type(caught.value) is UsageError
     assert tree.undo(6).undo(5).nodes == tree.at(edit=5).nodes
