@@ -163,7 +163,7 @@ def test_a_setting_that_all_models_share_is_kept_unless_no_model_has_answered(
         "height",
     )
     values = {f"--{name.replace('_', '-')}": getattr(SMALL, name) for name in names}
-    run = ("run", study, "--quick", *itertools.chain.from_iterable(values.items()))
+    run = ("run", study, "--quick", "--no-demands", *itertools.chain.from_iterable(values.items()))
     assert invoke("evaluate", study, "--vlm", "random", "--chain").exit_code == 0
     assert invoke(*run, "--no-chain").exit_code == 0
     assert not Study.open(study).config.chain

@@ -36,17 +36,17 @@ def poses(path, scene, catalogue):
                 table.writerow([time, name, *truth.poses[step, row]])
 
 
-def test_a_study_is_exported_and_its_files_are_read(study, tmp_path):
-    done = run("export", study, "-o", tmp_path / "files", "--mode", "reactive", "--no-ego")
+def test_a_study_is_exported_and_its_files_are_read(quick, tmp_path):
+    done = run("export", quick, "-o", tmp_path / "files", "--mode", "reactive", "--no-ego")
     assert done.exit_code == 0
-    opened = Study.open(study)
+    opened = Study.open(quick)
     catalogue = make_catalogue("flat")
-    for scene in opened.scenes:
+    for scene, scenario in zip(opened.scenes, opened.scenarios, strict=True):
         assert (tmp_path / "files" / f"{scene.id}~twin.xosc").exists()
         assert (tmp_path / "files" / f"{scene.id}~demand.xosc").exists()
         path = tmp_path / "files" / f"{scene.id}.xosc"
         assert read_openscenario(path, catalogue).scene == scene
-        assert opened.scenarios[0].text.split()[0] in path.read_text()
+        assert scenario.text.split()[0] in path.read_text()
         back = run("import", path, "--simulator", "flat")
         assert json.loads(back.stdout) == scene.model_dump(mode="json")
 

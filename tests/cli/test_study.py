@@ -14,7 +14,7 @@ from oodscen._cli import EXIT_CODES, main
 from tests.pipeline.quick import SMALL
 
 ORDER = (
-    "--quick --simulator flat --encoder hash --seed 3 --max-paths 1 --iterations 2 "
+    "--quick --simulator flat --encoder hash --seed 3 --max-paths 1 --iterations 2 --no-demands "
     "--width 160 --height 120 --baseline"
 ).split()
 

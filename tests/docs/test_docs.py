@@ -33,7 +33,7 @@ def study(tmp_path_factory):
 
 
 @pytest.fixture
-def workplace(tmp_path, monkeypatch, study):
+def workplace(tmp_path, monkeypatch, study, minilm):
     """Have `out`, and fifty ordinary texts where `Metrics()` would have thousands encoded."""
     few = Baseline(texts=tuple(ORDINARY.read_text("utf-8").splitlines()))
     for user in ("_metrics", "_vectors.space", "_detection.guard"):
@@ -94,7 +94,7 @@ def test_an_example_says_what_is_wrong_and_writes_nothing(
 
 
 @pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
-def test_a_notebook_runs(notebook, study, tmp_path, monkeypatch, capsys):
+def test_a_notebook_runs(notebook, study, minilm, tmp_path, monkeypatch, capsys):
     shutil.copytree(study, tmp_path / "out")
     monkeypatch.chdir(tmp_path)
     names = {"__name__": "__main__"}

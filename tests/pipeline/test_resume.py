@@ -15,13 +15,8 @@ from oodscen.errors import DataError, UsageError
 from oodscen.testing import ScriptedLLM
 from tests.pipeline.quick import ORDINARY, QUICK, SMALL, content, lines, rewrite
 
-CONFIG = QUICK.model_copy(
-    update={
-        "vlms": ("eye",),
-        "judge": "judge",
-        "protocols": ("ours", "paper"),
-    }
-)
+JUDGED = {"vlms": ("eye",), "judge": "judge", "protocols": ("ours", "paper")}
+CONFIG = QUICK.model_copy(update=JUDGED | {"seed": 3})
 """What was asked and when; everything else is a function of the configuration."""
 
 
@@ -126,10 +121,11 @@ def test_pictures_that_were_changed_are_made_again(folder):
     assert any("whole-" in name for name in pictures[::2])
 
 
-def test_what_is_added_later_is_what_it_would_have_been(finished, quick, tmp_path):
-    out = shutil.copytree(quick, tmp_path / "out")
-    run(out)
-    assert content(out) == content(finished)
+def test_what_is_added_later_is_what_it_would_have_been(small, tmp_path):
+    judged = SMALL.model_copy(update=JUDGED)
+    run(tmp_path / "at once", judged)
+    run(shutil.copytree(small, tmp_path / "later"), judged)
+    assert content(tmp_path / "later") == content(tmp_path / "at once")
 
 
 def test_both_protocols_judge_the_scenes_as_they_were_run(finished):
