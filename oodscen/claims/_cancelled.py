@@ -13,7 +13,7 @@ _ADVERBS = (
 )
 _BE = "is|are|was|were|has|have|had|been|being"
 _SUBJECT = (
-    r"^(?: (?:and|or) [\w-]+)?(?: (?:bank|shower|storm|spell|cloud|fall|cover|front)s?)?"
+    r"^(?: (?:and|or) (?:the )?(?:rain|snow|sleet|hail|fog|mist|haze|drizzle|ice|wind|storm|thunder)(?:fall)?)?(?: (?:bank|shower|storm|spell|cloud|fall|cover|front)s?)?"
     r"(?:,? (?:that|which))?"
 )
 """Matches what may stand between weather and its verb: `fog banks that`."""

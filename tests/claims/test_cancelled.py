@@ -77,7 +77,7 @@ def test_weather_around_others_is_not_over(weather, where, what):
 @pytest.mark.parametrize(
     "after",
     [
-        "ceased", "let up", "has stopped falling", "banks have cleared", "that hid the road has lifted", "or hail has passed", "gives way to sun",
+        "ceased", "let up", "has stopped falling", "banks have cleared", "that hid the road has lifted", "or hail has passed", "and the wind have ended", "gives way to sun",
         "stopped in the city", "lifted quickly", "is gone from the road", "has gone by", "blows over", "turned into drizzle",
     ],
 )  # fmt: skip
@@ -97,7 +97,7 @@ def test_weather_of_another_time_is_cancelled(after):
     "after",
     [
         "falls", "blows over the road", "moves on the road", "earlier than usual covers the road", "covers both lanes", "coats roads",
-        "lights a lorry", "set in an hour ago", "line both sides of the road",
+        "lights a lorry", "and cars have stopped", "set in an hour ago", "line both sides of the road",
     ],
 )  # fmt: skip
 def test_weather_that_is_there_is_not_cancelled(after):
