@@ -4,7 +4,13 @@ import re
 from collections.abc import Iterable
 
 from oodscen.author._reading import phrases
-from oodscen.claims._cancelled import describes_noun, is_weather_cancelled
+from oodscen.claims._cancelled import (
+    describes_noun,
+    is_over,
+    is_weather_cancelled,
+    names_thing,
+    precedes_subject,
+)
 from oodscen.claims._things import Mention
 from oodscen.data._claim import Kind
 
@@ -39,12 +45,12 @@ def is_unreal(kind: Kind, match: re.Match[str], mentioned: Iterable[Mention]) ->
         return kind != "traffic" and phrases.context("denied").search(before) is not None
     if phrases.context("denied").search(before) or _is_quoted(match):
         return True
-    if _is_in_a_name(kind, text, end, mentioned):
+    if _is_in_a_name(kind, match, mentioned):
         return True
     return kind != "road" and (
         _is_said(before, after)
         or phrases.context("supposed").search(before) is not None
-        or _is_at_another_time(kind, before, after)
+        or _is_at_another_time(kind, match, before, after)
         or _is_proper_name(match, before)
         or _is_figurative(match.group(0), before, after)
     )
@@ -66,12 +72,13 @@ def _is_quoted(match: re.Match[str]) -> bool:
     )
 
 
-def _is_in_a_name(kind: Kind, text: str, end: int, mentioned: Iterable[Mention]) -> bool:
-    """Return whether the words up to a position only describe the noun that follows: `night bus`."""
-    if describes_noun(text, end):
+def _is_in_a_name(kind: Kind, match: re.Match[str], mentioned: Iterable[Mention]) -> bool:
+    """Return whether words only describe the noun that follows: `night bus`."""
+    if describes_noun(match) or (kind != "road" and names_thing(match)):
         return True
-    if kind != "road" and phrases.context("compound").match(text[end:]):
-        return True
+    if precedes_subject(match):
+        return False
+    text, end = match.string, match.end()
     noun = next((mention for mention in mentioned if mention.start > end), None)
     if noun is None or noun.is_plural:
         return False
@@ -89,20 +96,15 @@ def _is_said(before: str, after: str) -> bool:
     )
 
 
-def _is_at_another_time(kind: Kind, before: str, after: str) -> bool:
+def _is_at_another_time(kind: Kind, match: re.Match[str], before: str, after: str) -> bool:
     """Return whether weather or an hour is over, or yet to come."""
     if phrases.context("another_time").search(before) or phrases.context("not_now").match(after):
         return True
-    if _was_once(before, after):
-        return True
-    is_subject = phrases.context("governed").search(before) is None
-    is_gone = phrases.context("gone").match(after) or phrases.context("gone_at_last").match(after)
-    if is_subject and is_gone:
+    if _was_once(before, after) or is_over(match):
         return True
     return kind == "weather" and bool(
-        (is_weather_cancelled(after) and (is_subject or not phrases.context("others").match(after)))
+        is_weather_cancelled(match)
         or phrases.context("past").search(before)
-        or phrases.context("long_ago").match(after)
         or phrases.context("to_come").search(before)
     )
 

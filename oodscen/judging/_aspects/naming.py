@@ -147,13 +147,11 @@ def _heads(stated: Sequence[_Mention], words: Sequence[str], used: set[int]) -> 
 
 def _without_past_weather(text: str) -> str:
     """Return a text without weather that is over, or that only describes a thing: a snow plough."""
-    return _weather_words().sub(
-        lambda match: "-" if _is_cancelled(text, match.end()) else match.group(0), text
-    )
+    return _weather_words().sub(lambda match: "-" if _is_cancelled(match) else match.group(0), text)
 
 
-def _is_cancelled(text: str, end: int) -> bool:
-    return is_weather_cancelled(text[end:]) or describes_noun(text, end)
+def _is_cancelled(match: re.Match[str]) -> bool:
+    return is_weather_cancelled(match) or describes_noun(match)
 
 
 @cache

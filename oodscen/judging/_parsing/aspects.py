@@ -5,10 +5,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from oodscen._prose import fold, is_refusal
+from oodscen._prose import fold, is_refusal, tidy
 from oodscen.judging._parsing.confidence import CONFIDENT, confidence_in, one_probability
 from oodscen.judging._parsing.denials import (
     ODD,
+    calls_odd,
+    denies,
     denies_what_is_odd,
     goes_with_no,
     goes_with_yes,
@@ -57,18 +59,14 @@ _LEAD = re.compile(
 )
 """Matches what may lead to the name of an aspect in prose."""
 _LEADING_YES = re.compile(r"\A\W*yes[\s,.:;!\u2013\u2014-]+(?=\S)", re.IGNORECASE)
-_MARKED = re.compile(
-    rf"\b(?<!not )(?:(?:is )?(?:{ODD}|anomaly)|answer|verdict) ?\??(?: is)? ?[:=?] ?(yes|no|true|false)\b"
-    r"(?= ?(?:[.,;:!()\n\u2013\u2014-]|$))(?!,? (?:or|not)\b)"
-)
-"""Matches a yes or no that is marked as the answer, in folded prose."""
-_QUESTION = re.compile(
-    rf"\A(?![^?]*(?:\bnot?\b|n't\b))[^?.!\n]{{0,200}}\b(?:{ODD.replace(' ', '[ _-]')}|anomaly)[^?.!\n]{{0,200}}\? ?(?=(?:yes|no|true|false)\b)",
+_ASKED = rf"(?:is[ _]?)?(?:{ODD.replace(' ', '[ _-]')}|anomaly)(?:[^.?!:\n]{{0,200}}\?)?"
+_MARK = rf"\b(?:{_ASKED}|(?:(?:my|the|final) )*(?:answer|verdict) ?\??)(?: is)? ?(?:[:=]|(?<=\?))"
+_ANSWER = re.compile(
+    rf"(?:\A[\s(\u2022-]*|{_MARK} ?)(yes|no|true|false)\b(?=\s*(?:[.,;:!()\n\u2013\u2014-]|\Z))(?!,? (?:or|not)\b)",
     re.IGNORECASE,
 )
-"""Matches the question in one line of prose that repeats it before the answer."""
-_OPENING = re.compile(r"[\s(\u2022-]*(yes|no|true|false)(?=\s*(?:[,.:;!\u2014\u2013-]|$))")
-"""Matches a yes or no with which plain prose opens."""
+"""Matches a yes or no that opens prose, answers a question that is repeated, or is marked as the answer."""
+_LAST_WORDS = re.compile(r"[^.;:!?\n]{0,200}\Z")
 _SOUGHT = re.compile(rf"\b(?:{ODD}|anomal|abnormal|hazard|obstacle|object|problem|issue|behavio)")
 """Matches what a model says that it does not see, where it does see the picture."""
 _OPEN = re.compile(
@@ -87,7 +85,7 @@ class Detected:
     aspect: str = ""
     confidence: float | None = None
     """Confidence in `is_ood`, 0 to 1."""
-    beside: str | None = field(default=None, compare=False)
+    contradiction: str | None = field(default=None, compare=False)
     """The words of an aspect that does not go with `is_ood`: a thing beside false, "none" or nothing beside true."""
 
 
@@ -97,12 +95,12 @@ def read_aspect(text: str) -> ParsedAnswer[Detected]:
     `is_ood` counts where the aspect does not go with it; the note then says so.
     """
     answer = read(text, Question(_pick_detection, _detected_in_prose, _DETECTION, _disowns))
-    if answer.value is None or answer.value.beside is None:
+    if answer.value is None or answer.value.contradiction is None:
         return answer
     truth = "true" if answer.value.is_ood else "false"
-    aspect = answer.value.beside
-    beside = f"beside the aspect {aspect[:80]!r}" if aspect else "without an aspect"
-    return replace(answer, note=f"{answer.note}, which says {truth} {beside}")
+    aspect = answer.value.contradiction
+    contradiction = f"beside the aspect {aspect[:80]!r}" if aspect else "without an aspect"
+    return replace(answer, note=f"{answer.note}, which says {truth} {contradiction}")
 
 
 def read_named_aspect(text: str) -> ParsedAnswer[str]:
@@ -123,17 +121,15 @@ def _pick_detection(value: Mapping[str, Any]) -> Detected | None:
     answers = [member for member in members(value, _IS_OOD) if not is_placeholder(member)]
     if not answers:
         return None
-    truths = {_truth(answer) for answer in answers}
-    if len(truths) > 1:
+    found = [_detected_in_member(answer) for answer in answers]
+    if len({one.is_ood for one in found}) > 1:
         raise UnusableError(TWO_ANSWERS)
-    is_ood = truths.pop()
-    if is_ood is None:
-        raise UnusableError(f"{str(answers[0])[:80]!r} is neither true nor false")
-    confidence = one_probability(members(value, CONFIDENCE))
-    if is_ood:
-        aspect = _words_of_aspect(value)
-        beside = None if aspect and _name_or_nothing(aspect) else aspect
-        return Detected(True, aspect, confidence, beside)
+    stated = (*members(value, CONFIDENCE), *(one.confidence for one in found))
+    confidence = one_probability(stated)
+    if found[0].is_ood:
+        aspect = _words_of_aspect(value) or found[0].aspect
+        contradiction = None if aspect and _name_or_nothing(aspect) else aspect
+        return Detected(True, aspect, confidence, contradiction)
     named = (words for words in _aspects(value) if not is_placeholder(words))
     thing = next((words for words in named if not goes_with_no(plain_words(words))), None)
     return Detected(False, "", confidence, thing)
@@ -189,39 +185,56 @@ def _check_name(words: str) -> None:
         raise UnusableError("the aspect is not named")
 
 
-def _truth(value: object) -> bool | None:
+def _detected_in_member(value: object) -> Detected:
+    """Parse what a member says: a truth value, its word, or "yes, a deer"."""
     if isinstance(value, list) and len(value) == 1:
         value = value[0]
-    if isinstance(value, (bool, int, float)):
-        return bool(value) if value in (0, 1) else None
-    return _TRUTHS.get(value.strip().rstrip(" .!").casefold()) if isinstance(value, str) else None
+    if isinstance(value, (bool, int, float)) and value in (0, 1):
+        return Detected(bool(value))
+    if isinstance(value, str):
+        is_ood = _TRUTHS.get(value.strip().rstrip(" .!").casefold())
+        found = _detected_in_prose(tidy(value)) if is_ood is None else Detected(is_ood)
+        if found is not None:
+            return found
+    raise UnusableError(f"{str(value)[:80]!r} is neither true nor false")
 
 
 def _detected_in_prose(prose: str) -> Detected | None:
-    """Parse a "yes" or "no" that is marked as the answer, or opens the text with words that agree with it."""
-    plain = plain_words(prose)
-    marked = {_TRUTHS[match[1]] for match in _MARKED.finditer(plain)}
-    if len(marked) > 1:
-        raise UnusableError(TWO_ANSWERS)
-    if _OPEN.search(plain):
+    """Parse one yes or no, with words that agree with it, or a plain denial of what is odd."""
+    if _OPEN.search(plain_words(prose)) or _declines(prose):
         return None
-    answer = _QUESTION.sub("", prose)
-    plain = plain_words(CONFIDENT.sub("", answer))
-    opening = _OPENING.match(plain)
-    if marked and (opening is None or _MARKED.search(plain)):
-        is_ood = marked.pop()
-        aspect = _aspect_after_mark(prose) if is_ood else ""
-        return _detected(is_ood, aspect, prose)
-    if _declines(prose):
-        return None
-    if opening is None:
-        is_plain = "?" not in plain and denies_what_is_odd(plain)
+    said = CONFIDENT.sub("", prose)
+    answers = list(_ANSWER.finditer(said))
+    if not answers:
+        is_plain = "?" not in said and denies_what_is_odd(plain_words(said))
         return _detected(False, "", prose) if is_plain else None
-    is_ood = _TRUTHS[opening[1]]
-    if not (goes_with_yes if is_ood else goes_with_no)(plain[opening.end() :]):
-        raise UnusableError("what follows yes or no does not go with it")
-    aspect = _aspect_after_yes(answer) if is_ood else ""
-    return _detected(is_ood, aspect, prose)
+    truths = {_TRUTHS[answer[1].casefold()] for answer in answers}
+    if len(truths) > 1:
+        raise UnusableError(TWO_ANSWERS)
+    if any(_is_behind_a_denial(answer) for answer in answers):
+        raise UnusableError("yes or no stands behind a denial")
+    is_ood, start = truths.pop(), answers[0].start()
+    before, rest = said[:start], _ANSWER.sub("", said[start:])
+    if not _agrees(is_ood, plain_words(before), plain_words(rest)):
+        raise UnusableError("what is said beside yes or no does not go with it")
+    return _detected(is_ood, _aspect_beside_yes(prose, before, rest) if is_ood else "", prose)
+
+
+def _is_behind_a_denial(answer: re.Match[str]) -> bool:
+    """Return whether what is asked is denied: "nothing is unusual: yes", but not "nothing is odd, so the answer is: no"."""
+    start = answer.start()
+    words = _LAST_WORDS.search(answer.string, max(0, start - 200), start)
+    before = words[0] if words else ""
+    if not _TRUTHS[answer[1].casefold()]:
+        before = before.rpartition(",")[2]
+    return denies(plain_words(before))
+
+
+def _agrees(is_ood: bool, before: str, rest: str) -> bool:
+    """Return whether the rest adds to a yes or no, and the reasons before it are not plainly the contrary."""
+    if is_ood:
+        return goes_with_yes(rest) and (goes_with_yes(before) or not goes_with_no(before))
+    return goes_with_no(rest) and ("?" in before or not calls_odd(before))
 
 
 def _declines(prose: str) -> bool:
@@ -234,31 +247,23 @@ def _detected(is_ood: bool, aspect: str, prose: str) -> Detected:
     return Detected(is_ood, aspect, confidence_in(prose), "" if is_ood and not aspect else None)
 
 
-def _aspect_after_mark(prose: str) -> str:
-    """Return the labelled aspect beside a marked answer; empty if there is none."""
+def _aspect_beside_yes(prose: str, before: str, rest: str) -> str:
+    """Return the aspect that prose labels, or that all words after its "yes" name; empty if there is none."""
     aspect = _labelled(prose)
     if aspect is None:
-        _check_short(_MARKED.sub("", fold(CONFIDENT.sub("", prose))))
-        return ""
-    return _name_or_nothing(aspect) if aspect else ""
-
-
-def _aspect_after_yes(prose: str) -> str:
-    """Return the aspect that is labelled, or that all words after an opening "yes" name."""
-    aspect = _labelled(prose)
-    if aspect is None:
-        rest = CONFIDENT.sub("", re.sub(r"\A\W*\w+\W*", "", prose, count=1))
         if _MERE_YES.match(rest):
             return ""
-        _check_short(rest)
+        if rest.rstrip().endswith((":", "=")):
+            raise UnusableError("the aspect is not named")
         aspect = rest.strip(" \n.,:;!()\u2014\u2013-") if re.search(r"[^\W\d_]", rest) else ""
+        _check_short(before + aspect)
         aspect += ")" * (aspect.count("(") > aspect.count(")"))
     return _name_or_nothing(aspect) if aspect else ""
 
 
 def _check_short(prose: str) -> None:
     """Refuse prose that is too long to name an aspect, or has several sentences."""
-    if len(prose) > LONGEST_ASPECT or re.search(r"\w[.!?;] +\w", prose):
+    if len(prose) > LONGEST_ASPECT or re.search(r"(?:(?:\w{3}|\d)\.|\w[!?;]) +\w", prose):
         raise UnusableError("the aspect is not named")
 
 

@@ -93,6 +93,14 @@ _CLAUSES = re.compile(
     rf"(?:(?!,{_LISTED})[,.;:!?()\n\u2013\u2014])+|(?<=\s)-|\b(?:and|but)\b|\bwith(?= (?:no|nothing)\b)"
 )
 """Matches what stands between clauses, which the commas of "no deer, dogs or cows" and "a road, with cars" do not."""
+_COUPLED = re.compile(
+    r"(?:\A|(?<=[.;:\n] ))(?:(?:all|the|other|both) )*(?!(?:no|not|none|nothing)\b)\w+(?:, \w+)*,? and (?=\w)"
+)
+"""Matches nouns that share what follows, at the start of a sentence: "cars and pedestrians behave normally"."""
+_HEADING = re.compile(
+    rf"(?<![\w'])(?<!\w )(?:{ODD} )?(?:{ODD}|{_TOPIC}) ?: ?(?=(?:none|nothing)\b)"
+)
+"""Matches the heading of a denial: "hazards: none"."""
 _PLACEHOLDER = re.compile(
     r"\A\W*(?:nil|null|false|n/?a|not applicable|unknown|undefined|nope|nah|zero|absent|empty)(?=\s*(?:[^\w\s]|\Z))"
 )
@@ -123,6 +131,16 @@ def denies_what_is_odd(plain: str) -> bool:
     return Said.NOTHING_ODD in said and _WITH_NO.issuperset(said)
 
 
+def calls_odd(plain: str) -> bool:
+    """Return whether a clause of plain words says that something is odd, or not ordinary."""
+    return not {Said.ODD, Said.NOT_ORDINARY}.isdisjoint(_clauses_said(plain))
+
+
+def denies(plain: str) -> bool:
+    """Return whether a word of plain words is a denial."""
+    return any(match.lastgroup in ("NOTHING", "NO", "NOT") for match in _WORD.finditer(plain))
+
+
 def goes_with_no(plain: str) -> bool:
     """Return whether plain words add nothing to an answer of no."""
     return _WITH_NO.issuperset(_clauses_said(plain))
@@ -134,7 +152,9 @@ def goes_with_yes(plain: str) -> bool:
 
 
 def _clauses_said(plain: str) -> list[Said]:
-    clauses = _CLAUSES.split(_PLACEHOLDER.sub("none", plain))
+    plain = _HEADING.sub("", _PLACEHOLDER.sub("none", plain))
+    joined = _COUPLED.sub(lambda nouns: re.sub(r",|\band ", "", nouns[0]), plain)
+    clauses = _CLAUSES.split(joined)
     kinds = ([Kind[str(word.lastgroup)] for word in _WORD.finditer(one)] for one in clauses)
     return [_said(one) for one in kinds if one]
 

@@ -44,6 +44,13 @@ PLAIN = (
     "{} turns the road slippery.",
     "{} of great intensity hides the road.",
     '"In {} a cow stands in the lane."',
+    "{} is over the road ahead.",
+    "{} has stopped all cars ahead.",
+    "{} blows over the road.",
+    "{} has gone from bad to worse.",
+    "{} covers both lanes.",
+    "{} has not stopped, and a cow stands in the lane.",
+    "{} is not over.",
 )
 
 
@@ -73,6 +80,9 @@ OVER = (
     "{} turns into wind.",
     "The {} that hid the road has lifted.",
     "The {} has melted.",
+    "The {} is gone from the road.",
+    "The {} was over when the ego came.",
+    "The {} let up an hour before.",
     "After hours of {} a cow stands here.",
     "Earlier {} has left the road soft.",
     "The {} was bad but now the view is good.",
@@ -203,6 +213,19 @@ def test_an_hour_that_is_only_mentioned_is_not_claimed(text, value):
 def test_an_hour_that_has_come_is_claimed(hour, value):
     assert settings(f"At {hour} a cow stands ahead.") == {value}
     assert settings(f"A cow stands ahead at {hour}.") == {value}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "At night crew members cross the road.",
+        "At night lorry drivers wait on the road.",
+        "In the night taxi drivers wait on the road.",
+        "By night train services block the level crossing.",
+    ],
+)
+def test_those_who_act_at_an_hour_do_not_take_its_name(text):
+    assert settings(text) == {"night"}
 
 
 @pytest.mark.parametrize("hour", ["morning", "afternoon", "evening", "day", "night"])

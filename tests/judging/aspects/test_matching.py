@@ -206,6 +206,10 @@ def test_weather_in_which_others_stop_is_named(said, event):
             "{} has stopped the traffic",
             "{} stopped a bus",
             "{} has gone on for hours",
+            "{} is over the road",
+            "{} has lifted a roof onto the road",
+            "{} has stopped pedestrians",
+            "{} earlier than usual on the road",
         ]
     ),
 )
@@ -222,6 +226,11 @@ def test_weather_that_acts_or_goes_on_is_named(said, wording):
             "{} has just stopped",
             "the {} stopped a while ago",
             "the {} is finally over",
+            "the {} lifted",
+            "the {} ended an hour ago",
+            "the {} let up",
+            "the {} that hid the road has cleared",
+            "a {} sensor",
             "a {} plough",
             "the {}-lamps of a car",
         ]

@@ -302,6 +302,95 @@ def test_any_text_is_read_and_names_something_or_nothing(said):
     assert again.value is None or isinstance(again.value, str)
 
 
+MARKS = st.sampled_from(["Verdict: ", "Answer: ", "My answer is: ", "Unusual? ", "Is it OOD? ", "Anomaly: ", "Final verdict: ", ""])  # fmt: skip
+
+
+@given(MARKS, st.sampled_from([", ", ". ", ": ", " - ", " (", "\n"]), THINGS)
+def test_what_follows_a_yes_or_no_is_read_alike_behind_every_mark(
+    mark: str, joint: str, thing: str
+) -> None:
+    end = ")" * (joint == " (")
+    assert read_aspect(f"{mark}Yes{joint}{thing}{end}").value == Detected(True, thing)
+    for said in (f"No{joint}{thing}{end}", f"Yes{joint}nothing is unusual{end}"):
+        assert read_aspect(f"{mark}{said}").outcome == "unparsed"
+    assert read_aspect(f"{mark}No{joint}nothing is unusual{end}").value == Detected(False)
+
+
+@given(
+    st.sampled_from(
+        [
+            "Nothing is unusual", "There is no anomaly", "Nothing out of the ordinary", "Is there no anomaly", "I see nothing unusual", "No anomaly",
+            "The statement that nothing is unusual", "Neither is unusual", "It is hardly unusual", "It isn't unusual", "The scene has no anomaly",
+            "I cannot find, in any frame, anything unusual", "I do not think, given the frames, that the answer is",
+        ]
+    ),
+    st.sampled_from([":", "?", " ="]),
+    st.sampled_from(["yes", "true", "Yes, the road is clear.", "Yes, a deer"]),
+)  # fmt: skip
+def test_a_yes_to_a_denial_is_no_yes(denial: str, mark: str, said: str) -> None:
+    assert read_aspect(f"{denial}{mark} {said}").outcome == "unparsed"
+
+
+@pytest.mark.parametrize(
+    ("before", "is_ood", "found"),
+    [
+        ("Everything is normal.", True, None),
+        ("The road is clear.", True, None),
+        ("Everything is normal on the left, a cow stands on the right,", True, Detected(True)),
+        ("There is something unusual: a cow.", False, None),
+        ("The image shows a street with parked cars and a pedestrian.", False, Detected(False)),
+        ("I see nothing unusual, so", False, Detected(False)),
+        ("A cow stands on the road,", True, Detected(True)),
+    ],
+)
+def test_reasons_before_a_verdict_are_not_its_contrary(before, is_ood, found):
+    said = "yes" if is_ood else "no"
+    for mark in ("my verdict is: ", "Answer: "):
+        assert read_aspect(f"{before} {mark}{said}.").value == found
+
+
+@pytest.mark.parametrize(
+    ("said", "found"),
+    [
+        ('{"is_ood": "Yes, a deer", "confidence": 0.9}', Detected(True, "a deer", 0.9)),
+        ('{"answer": "Yes. A deer (80%)"}', Detected(True, "a deer", 0.8)),
+        ('{"is_ood": "yes, clearly", "aspect": "a deer"}', Detected(True, "a deer")),
+        ("OOD: yes, confidence 0.9, aspect: a deer", Detected(True, "a deer", 0.9)),
+        ("Answer: No.\nThe road is clear.", Detected(False)),
+        ('{"is_ood": "no, a deer"}', None),
+        ("is_ood: yes, aspect: ", None),
+    ],
+)
+def test_a_labelled_yes_or_no_is_read_like_an_opening_one(said, found):
+    read = read_aspect(said).value
+    assert read == found or (read.aspect.lower() == found.aspect and read.confidence == 0.8)
+
+
+@pytest.mark.parametrize(
+    "aspect",
+    ["a St. Bernard dog on the road", "a U.S. mail truck", "a fire engine at 9 a.m. in the lane"],
+)
+def test_an_abbreviation_ends_no_sentence(aspect):
+    assert read_aspect(f"Yes, {aspect}.").value == Detected(True, aspect)
+    assert read_aspect(f"Yes, {aspect}. It burns.").outcome == "unparsed"
+
+
+@pytest.mark.parametrize(
+    "heading", ["Hazards", "Anomalies", "Unusual objects", "Unusual", "Problem"]
+)
+@pytest.mark.parametrize("nothing", ["none", "nothing", "none visible", "nothing unusual"])
+def test_a_heading_is_no_aspect(heading, nothing):
+    assert read_named_aspect(f"{heading}: {nothing}").value == ""
+    assert read_named_aspect(f"Weather: clear. {heading}: {nothing}").value == ""
+    assert read_named_aspect(f"A dead cow: {nothing}").value != ""
+
+
+@pytest.mark.parametrize("users", ["Cars and pedestrians", "All vehicles and cyclists", "Cars, cyclists and people"])  # fmt: skip
+@pytest.mark.parametrize("act", ["behave normally", "move as expected", "look ordinary"])
+def test_road_users_that_are_ordinary_together_are_no_aspect(users, act):
+    assert read_named_aspect(f"{users} {act}.").outcome == "unparsed"
+
+
 @given(
     st.integers(0, 130), st.sampled_from(["{} %", "{}%", "{} percent", "{}/100", "{} out of 100"])
 )
