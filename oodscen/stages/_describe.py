@@ -29,6 +29,11 @@ if TYPE_CHECKING:
     from oodscen.metrics._metrics import Metrics
 
 
+def text_id(leaf: str, number: int) -> str:
+    """Return the id of a path's text by its number, from 1 on."""
+    return f"{leaf}-{number:03d}"
+
+
 class Describer(Brief):
     """Asks the tree-LLM for texts along each path; near duplicates and off-topic texts are redrawn.
 
@@ -126,7 +131,7 @@ class Describer(Brief):
             selected = self.metrics.select(texts, count, low=low, high=high)
             texts = [texts[index] for index in sorted(selected.indices)]
         return [
-            self._scenario(f"{leaf}-{number:03d}", text, leaf, path)
+            self._scenario(text_id(leaf, number), text, leaf, path)
             for number, text in enumerate(texts, start=1)
         ]
 

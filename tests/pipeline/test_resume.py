@@ -272,6 +272,18 @@ def test_a_scene_that_cannot_be_taken_is_named(folder, change, error, words):
     assert Study(folder).info["status"] != "running"
 
 
+def test_a_text_that_was_added_by_hand_is_named(folder):
+    rows = lines(folder, "scenarios.jsonl")
+    added = {**rows[-1], "id": f"{rows[-1]['leaf']}-777", "text": "A goat stands on the road."}
+    rewrite(folder, "scenarios.jsonl", [*rows, added])
+    before = content(folder)
+    with pytest.raises(
+        DataError, match=rf"line {len(rows) + 1}.*\n.*'{added['id']}' is none of them"
+    ):
+        run(folder)
+    assert content(folder) == before
+
+
 def test_a_round_that_does_not_fit_its_tree_is_named_before_anything_is_written(folder):
     rows = lines(folder, "redteam.jsonl")
     edits = next(row["edits"] for row in rows if any(edit["parent"] for edit in row["edits"]))

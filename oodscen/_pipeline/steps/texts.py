@@ -1,6 +1,6 @@
 """The stages that write texts: for the simulatable tree, and the text sets of the diverse tree."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Container, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -8,10 +8,10 @@ from oodscen._concurrency import as_finished
 from oodscen._pipeline.context import Context, failed
 from oodscen._registry import is_builtin
 from oodscen.data._scenario import Scenario
-from oodscen.errors import LLMError, UsageError
+from oodscen.errors import DataError, Issue, LLMError, UsageError
 from oodscen.metrics._detection.guard import is_calibrated
 from oodscen.metrics._metrics import Metrics
-from oodscen.stages._describe import Describer
+from oodscen.stages._describe import Describer, text_id
 from oodscen.stages._spread import spread, spread_subset
 from oodscen.study._config import StudyConfig
 from oodscen.study._made import made_for
@@ -33,7 +33,26 @@ def describe(run: Context, tree: ScenarioTree) -> list[Scenario]:
         chosen = [leaves[index * len(leaves) // count] for index in range(count)]
         paths = {leaf: paths[leaf] for leaf in chosen}
     counts = dict.fromkeys(paths, run.config.per_path)
+    _refuse_added(run.store, paths, run.config.per_path)
     return _describe(run, "describe", "scenarios.jsonl", paths, counts, sample=0, is_shown=True)
+
+
+def _refuse_added(store: Store, paths: Container[str], per_path: int) -> None:
+    """Refuse texts that were added by hand to a path, which the study would write over.
+
+    Raises:
+        DataError: If a path has a text that is none of its own.
+    """
+    for number, line in enumerate(store.lines("scenarios.jsonl"), start=1):
+        leaf, name = line.get("leaf", ""), line["id"]
+        own = (text_id(leaf, count) for count in range(1, per_path + 1))
+        if leaf in paths and "error" not in line and name not in own:
+            fault = (
+                f"the path {leaf!r} has {per_path} texts in this study, and {name!r} is none of them; remove the "
+                "line, and stage the text by itself with `oodscen augment`"
+            )
+            source = f"{store.path('scenarios.jsonl')}, line {number}"
+            raise DataError(Scenario.noun, [Issue("", fault)], source=source)
 
 
 def describe_sets(run: Context, tree: ScenarioTree) -> dict[int, list[Scenario]]:
