@@ -272,14 +272,14 @@ def test_a_scene_that_cannot_be_taken_is_named(folder, change, error, words):
     assert Study(folder).info["status"] != "running"
 
 
-def test_a_text_that_was_added_by_hand_is_named(folder):
+@pytest.mark.parametrize("number", ["777", "002", "001"])
+def test_a_text_that_was_added_by_hand_is_named(folder, number):
     rows = lines(folder, "scenarios.jsonl")
-    added = {**rows[-1], "id": f"{rows[-1]['leaf']}-777", "text": "A goat stands on the road."}
+    name = f"{rows[-1]['leaf']}-{number}"
+    added = {**rows[-1], "id": name, "text": "A goat stands on the road."}
     rewrite(folder, "scenarios.jsonl", [*rows, added])
     before = content(folder)
-    with pytest.raises(
-        DataError, match=rf"line {len(rows) + 1}.*\n.*'{added['id']}' is none of them"
-    ):
+    with pytest.raises(DataError, match=rf"line {len(rows) + 1}.*\n.*{name}' is one too many"):
         run(folder)
     assert content(folder) == before
 

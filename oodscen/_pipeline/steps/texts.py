@@ -43,16 +43,18 @@ def _refuse_added(store: Store, paths: Container[str], per_path: int) -> None:
     Raises:
         DataError: If a path has a text that is none of its own.
     """
+    seen: set[str] = set()
     for number, line in enumerate(store.lines("scenarios.jsonl"), start=1):
         leaf, name = line.get("leaf", ""), line["id"]
-        own = (text_id(leaf, count) for count in range(1, per_path + 1))
-        if leaf in paths and "error" not in line and name not in own:
+        own = {text_id(leaf, count) for count in range(1, per_path + 1)}
+        if leaf in paths and "error" not in line and name not in own - seen:
             fault = (
-                f"the path {leaf!r} has {per_path} texts in this study, and {name!r} is none of them; remove the "
-                "line, and stage the text by itself with `oodscen augment`"
+                f"{name!r} is one too many: the path {leaf!r} has {per_path} texts in this study; remove the line, "
+                "and stage the text by itself with `oodscen augment`"
             )
             source = f"{store.path('scenarios.jsonl')}, line {number}"
             raise DataError(Scenario.noun, [Issue("", fault)], source=source)
+        seen.add(name)
 
 
 def describe_sets(run: Context, tree: ScenarioTree) -> dict[int, list[Scenario]]:
