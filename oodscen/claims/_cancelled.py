@@ -145,9 +145,8 @@ def precedes_subject(mention: re.Match[str]) -> bool:
     circumstance = (_before(mention) + mention[0])[-_REACH:]
     if _AT_AN_HOUR.search(circumstance):
         return True
-    is_plural = _DESCRIBED_PLURAL.match(after := _after(mention)) or _DESCRIBED_WITH_MORE.match(
-        after
-    )
+    after = _after(mention)
+    is_plural = _DESCRIBED_PLURAL.match(after) or _DESCRIBED_WITH_MORE.match(after)
     return bool(is_plural and _CIRCUMSTANCE.search(circumstance))
 
 
