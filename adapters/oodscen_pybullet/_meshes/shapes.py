@@ -134,13 +134,14 @@ def unit_rows(rows: Array, fallback: Array) -> Array:
 
 @cache
 def sphere_grid(around: int, down: int) -> Array:
-    """Return the corners of a unit sphere from pole to pole, [down + 1, around, 3], not to be changed."""
+    """Return the corners of a unit sphere from pole to pole, [down + 1, around, 3], read-only."""
     grid = np.zeros((down + 1, around, 3))
     for i in range(down + 1):
         polar = math.pi * i / down
         for j in range(around):
             turn = 2 * math.pi * j / around
             grid[i, j] = (sin(polar) * cos(turn), sin(polar) * sin(turn), cos(polar))
+    grid.setflags(write=False)
     return grid
 
 

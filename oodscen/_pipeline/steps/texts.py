@@ -1,6 +1,6 @@
 """The stages that write texts: for the simulatable tree, and the text sets of the diverse tree."""
 
-from collections.abc import Collection, Container, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -37,24 +37,23 @@ def describe(run: Context, tree: ScenarioTree) -> list[Scenario]:
     return _describe(run, "describe", "scenarios.jsonl", paths, counts, sample=0, is_shown=True)
 
 
-def _refuse_added(store: Store, paths: Container[str], per_path: int) -> None:
+def _refuse_added(store: Store, paths: Collection[str], per_path: int) -> None:
     """Refuse texts that were added by hand to a path, which the study would write over.
 
     Raises:
         DataError: If a path has a text that is none of its own.
     """
-    seen: set[str] = set()
+    free = {(leaf, text_id(leaf, count)) for leaf in paths for count in range(1, per_path + 1)}
     for number, line in enumerate(store.lines("scenarios.jsonl"), start=1):
         leaf, name = line.get("leaf", ""), line["id"]
-        own = {text_id(leaf, count) for count in range(1, per_path + 1)}
-        if leaf in paths and "error" not in line and name not in own - seen:
+        if leaf in paths and "error" not in line and (leaf, name) not in free:
             fault = (
                 f"{name!r} is one too many: the path {leaf!r} has {per_path} texts in this study; remove the line, "
                 "and stage the text by itself with `oodscen augment`"
             )
             source = f"{store.path('scenarios.jsonl')}, line {number}"
             raise DataError(Scenario.noun, [Issue("", fault)], source=source)
-        seen.add(name)
+        free.discard((leaf, name))
 
 
 def describe_sets(run: Context, tree: ScenarioTree) -> dict[int, list[Scenario]]:

@@ -224,9 +224,8 @@ class Eye:
             if math.dist(self.place[:2], (box.x, box.y)) - 0.5 * box.length < distance
         ]
         lowest = min(self.place[2], body.z)
-        crested = road
         if road is not None and lowest >= float(road.z.max()) - 0.5 * _CREST_M:
-            crested = None  # No sight line to the body runs below the highest point of the road.
+            road = None  # No sight line to the body runs below the highest point of the road.
         left, right = min(u for u, _ in shown), max(u for u, _ in shown)
         top, bottom = min(v for _, v in shown), max(v for _, v in shown)
         rays = hidden = 0
@@ -242,9 +241,7 @@ class Eye:
                 (entry := _enters(box, self.place, ray)) is not None and entry < hit
                 for box in nearer
             )
-            if is_behind_box or (
-                crested is not None and _is_behind_crest(self.place, ray, hit, crested)
-            ):
+            if is_behind_box or (road is not None and _is_behind_crest(self.place, ray, hit, road)):
                 hidden += 1
         return hidden / rays if rays else 1.0
 

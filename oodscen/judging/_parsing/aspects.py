@@ -99,8 +99,8 @@ def read_aspect(text: str) -> ParsedAnswer[Detected]:
         return answer
     truth = "true" if answer.value.is_ood else "false"
     aspect = answer.value.contradiction
-    contradiction = f"beside the aspect {aspect[:80]!r}" if aspect else "without an aspect"
-    return replace(answer, note=f"{answer.note}, which says {truth} {contradiction}")
+    beside = f"beside the aspect {aspect[:80]!r}" if aspect else "without an aspect"
+    return replace(answer, note=f"{answer.note}, which says {truth} {beside}")
 
 
 def read_named_aspect(text: str) -> ParsedAnswer[str]:

@@ -138,7 +138,7 @@ def calls_odd(plain: str) -> bool:
 
 def denies(plain: str) -> bool:
     """Return whether a word of plain words is a denial."""
-    return any(match.lastgroup in ("NOTHING", "NO", "NOT") for match in _WORD.finditer(plain))
+    return not _DENIALS.isdisjoint(_kinds(plain))
 
 
 def goes_with_no(plain: str) -> bool:
@@ -152,11 +152,14 @@ def goes_with_yes(plain: str) -> bool:
 
 
 def _clauses_said(plain: str) -> list[Said]:
+    """Return what the clauses of plain words say, in order."""
     plain = _HEADING.sub("", _PLACEHOLDER.sub("none", plain))
     joined = _COUPLED.sub(lambda nouns: re.sub(r",|\band ", "", nouns[0]), plain)
-    clauses = _CLAUSES.split(joined)
-    kinds = ([Kind[str(word.lastgroup)] for word in _WORD.finditer(one)] for one in clauses)
-    return [_said(one) for one in kinds if one]
+    return [_said(kinds) for clause in _CLAUSES.split(joined) if (kinds := _kinds(clause))]
+
+
+def _kinds(plain: str) -> list[Kind]:
+    return [Kind[str(word.lastgroup)] for word in _WORD.finditer(plain)]
 
 
 def _said(kinds: Sequence[Kind]) -> Said:
