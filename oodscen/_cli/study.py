@@ -5,7 +5,7 @@ import os
 import sys
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -41,6 +41,9 @@ from oodscen._files import is_written_through
 from oodscen._registry import DEFAULT_ENCODER, is_builtin
 from oodscen._study_files import QUIZ, refuse_own
 from oodscen.errors import AnswerError, UsageError
+
+if TYPE_CHECKING:
+    from oodscen.study._config import StudyConfig
 
 
 @click.command(cls=SectionedCommand, sections=RUN_SECTIONS)
@@ -189,40 +192,19 @@ def run(
     """
     from oodscen._pipeline import Outputs, RunOptions, estimate, run_study
     from oodscen.llm._accounting import Ledger
-    from oodscen.study._config import StudyConfig
     from oodscen.study._study import Study
 
-    if open_loop:
-        refuse_idle_in_open_loop()
-    if not choices["vlms"]:
-        refuse_idle("without --vlm", "without_pictures")
-    if choices["made"] is False or (choices["made"] is None and is_builtin(choices["llm"])):
-        refuse_idle("unless things are made (--made)", "recogniser")
-    if is_builtin(choices["llm"]) and is_builtin(choices["red_llm"] or choices["llm"]):
-        refuse_idle("on the built-in author, which has no context window", "context")
-    if choices["encoder"].casefold() == "none":
-        raise UsageError(
-            "a study measures its texts and needs an encoder; `none` is for the commands of single stages"
-        )
-    if dry_run:
-        refuse_idle("with --dry-run, which counts what was never asked", "retry_failed")
-    limits = limits_from(choices)
-    given = {name: value for name, value in choices.items() if value not in (None, ())}
-    if "baseline" in given:
-        given["baseline"] = str(given["baseline"])
-    given["closed_loop"] = not open_loop
-    given["protocols"] = ("ours", "paper") if protocol == "paper" else ("ours",)
+    _refuse_idle_options(choices, open_loop=open_loop, dry_run=dry_run)
+    choices["closed_loop"] = not open_loop
+    choices["protocols"] = ("ours", "paper") if protocol == "paper" else ("ours",)
     if without_pictures:
-        given["withheld"] = given.get("vlms", ())
-    chosen = set(given)
-    if quick:
-        given = {**StudyConfig.quick().model_dump(), **given}
-    config = StudyConfig.parse(given)
+        choices["withheld"] = choices["vlms"]
+    limits = limits_from(choices)
     before = Study(out)
-    if before.store.has("study.json"):
-        config = config.judging_too(before.config, chosen)
+    is_new = not before.store.has("study.json")
+    config = _config(choices, quick, None if is_new else before.config)
     refuse_idle_prices(limits, config.models, config.servers)
-    if not before.store.has("study.json"):
+    if is_new:
         _tell_outlook(config.simulator)
     if dry_run:
         rows = estimate(out, config, RunOptions(workers=workers or 1, limits=limits))
@@ -257,6 +239,36 @@ def run(
         say(f"report: {(study.folder / 'report.html').resolve()}")
     if info["status"] != "success":
         sys.exit(1)
+
+
+def _refuse_idle_options(choices: dict[str, Any], *, open_loop: bool, dry_run: bool) -> None:
+    """Refuse options that would do nothing beside the others."""
+    if open_loop:
+        refuse_idle_in_open_loop()
+    if not choices["vlms"]:
+        refuse_idle("without --vlm", "without_pictures")
+    if choices["made"] is False or (choices["made"] is None and is_builtin(choices["llm"])):
+        refuse_idle("unless things are made (--made)", "recogniser")
+    if is_builtin(choices["llm"]) and is_builtin(choices["red_llm"] or choices["llm"]):
+        refuse_idle("on the built-in author, which has no context window", "context")
+    if choices["encoder"].casefold() == "none":
+        raise UsageError(
+            "a study measures its texts and needs an encoder; `none` is for the commands of single stages"
+        )
+    if dry_run:
+        refuse_idle("with --dry-run, which counts what was never asked", "retry_failed")
+
+
+def _config(choices: dict[str, Any], quick: bool, before: "StudyConfig | None") -> "StudyConfig":
+    """Return the configuration that the options choose, with the judged models of `before`."""
+    from oodscen.study._config import StudyConfig
+
+    given = {name: value for name, value in choices.items() if value not in (None, ())}
+    if "baseline" in given:
+        given["baseline"] = str(given["baseline"])
+    small = StudyConfig.quick().model_dump() if quick else {}
+    config = StudyConfig.parse({**small, **given})
+    return config if before is None else config.judging_too(before, set(given))
 
 
 def _tell_outlook(simulator: str) -> None:
