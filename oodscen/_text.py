@@ -59,7 +59,15 @@ def text_fault(word: str) -> str:
 
 def folded_words(text: str) -> str:
     """Return a text without case and punctuation, for comparisons; spellings of one accent are equal."""
-    return " ".join(re.findall(r"[^\W_]+", unicodedata.normalize("NFC", text.casefold())))
+    plain = unicodedata.normalize("NFC", text.casefold())
+    return one_line("".join(char if _is_in_a_word(char) else " " for char in plain))
+
+
+def _is_in_a_word(char: str) -> bool:
+    """Return whether a character is a letter, a digit, or a vowel sign or accent of one."""
+    if char.isascii() or char.isalnum():
+        return char.isalnum()
+    return unicodedata.category(char) in ("Mn", "Mc") and not "\ufe00" <= char <= "\ufe0f"
 
 
 def printable(text: str) -> str:

@@ -114,19 +114,20 @@ def wording_fault(text: str) -> str:
 
 def is_left_out(text: str) -> bool:
     """Return whether a text names nothing: a word for a missing value, or that nothing is unusual."""
-    plain = text.strip().casefold()
-    return (plain.rstrip(".!") or plain) in _PLACEHOLDERS
+    plain = one_line(seen(text)).casefold()
+    return (plain.rstrip(" .,;:!?") or "...") in _PLACEHOLDERS
 
 
 _PLACEHOLDERS = frozenset(
     {
         # with which models leave a member out
-        *("null", "none", "nil", "n/a", "undefined", "nothing", "no", "-", "...", "\u2026"),
+        *("null", "none", "nil", "n/a", "undefined", "nothing", "no", "-", "..."),
         # which readers of tables take for a missing value
         *("na", "nan", "-nan", "#na", "#n/a", "#n/a n/a", "<na>"),
         *("1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan"),
         # which are the option beside the kinds of a closed question
-        *("nothing is out of the ordinary", "nothing out of the ordinary", "nothing unusual"),
+        *("nothing is out of the ordinary", "nothing out of the ordinary"),
+        *("nothing is unusual", "nothing unusual"),
     }
 )
 

@@ -56,14 +56,11 @@ class FileLayout:
     is_csv: bool = False
 
 
-def recognise(content: str, suffix: str) -> tuple[FileLayout, Any] | None:
-    """Return the data set layout that a file's content matches, with what `parse` returns for it.
-
-    `None` for any other file.
-    """
+def recognise(content: str, suffix: str) -> tuple[FileLayout, TextsAndIssues] | None:
+    """Return the data set layout that a file's content matches, with its texts; `None` for any other file."""
     if suffix == ".csv":
         table = read_csv(content)
-        return (LAYOUTS["bdd-x"], _bdd_x_table(table)) if set(_BDD_X) <= set(table.header) else None
+        return (LAYOUTS["bdd-x"], _bdd_x(table)) if set(_BDD_X) <= set(table.header) else None
     if suffix != ".json":
         return None
     try:
@@ -71,17 +68,20 @@ def recognise(content: str, suffix: str) -> tuple[FileLayout, Any] | None:
     except (ValueError, RecursionError):
         return None
     name = _recognise_json(document)
-    return (LAYOUTS[name], document) if name else None
+    return (LAYOUTS[name], LAYOUTS[name].read(document)) if name else None
 
 
-def parse(content: str, layout: FileLayout) -> Any:
-    """Return the input of the layout's reader, or an issue if the content is not of that format."""
+def read_as(layout: FileLayout, content: str) -> TextsAndIssues:
+    """Read a file's content as that of a layout."""
     if layout.is_csv:
-        return _bdd_x_table(read_csv(content))
+        yield from layout.read(read_csv(content))
+        return
     try:
-        return parse_json(content)
+        document = parse_json(content)
     except (ValueError, RecursionError) as error:
-        return Issue("", f"is not JSON: {error}")
+        yield Issue("", f"is not JSON: {error}")
+    else:
+        yield from layout.read(document)
 
 
 def layout_of(name: str) -> FileLayout:
@@ -152,19 +152,22 @@ def _talk2car(document: Any) -> TextsAndIssues:
             yield from texts_of("command", item["command"], f"commands[{index}].command")
 
 
-def _bdd_x_table(table: CsvTable) -> CsvTable | Issue:
-    """Return a table that has the columns of BDD-X, or an issue of its header."""
+def _header_fault(table: CsvTable) -> Issue | None:
+    """Return an issue if a table lacks the columns of BDD-X."""
     if not table.header and isinstance(issue := next(table.rows, None), Issue):
         return issue
     if missing := [column for column in _BDD_X if column not in table.header]:
         return Issue(f"line {table.line}", f"has no column {missing[0]!r}")
     if twice := repeated(table.header, filter(_BDD_X_TEXT.fullmatch, table.header)):
         return Issue(f"line {table.line}", f"has two columns {twice!r}")
-    return table
+    return None
 
 
 def _bdd_x(table: CsvTable) -> TextsAndIssues:
     """Read the columns `Answer.<k>action` and `Answer.<k>justification`, k from 1 to 15."""
+    if fault := _header_fault(table):
+        yield fault
+        return
     columns = [match[1] for name in table.header if (match := _BDD_X_TEXT.fullmatch(name))]
     for row in table.rows:
         if isinstance(row, Issue):
@@ -178,20 +181,23 @@ def _bdd_x(table: CsvTable) -> TextsAndIssues:
                     yield item
                     if isinstance(item, DatasetText):
                         cells[kind] = item.text
-            if "action" in cells:
-                yield DatasetText("sentence", _joined(cells["action"], cells.get("justification")))
+            action = cells.get("action", "").rstrip(_STOPS)
+            if "justification" in cells and action:
+                yield DatasetText("sentence", _joined(action, cells["justification"]))
+            elif "action" in cells:
+                yield DatasetText("sentence", cells["action"])
 
 
-def _joined(action: str, justification: str | None) -> str:
+_STOPS = " .,;:"
+
+
+def _joined(action: str, justification: str) -> str:
     """Join "The car stops" and "because the light is red.", or two whole sentences."""
-    if justification is None:
-        return action
-    if _JOINING.match(justification):
-        return f"{action.rstrip('.!? ')} {justification}"
-    action = action.rstrip(". ")
-    return (
-        f"{action} {justification}" if action.endswith(("!", "?")) else f"{action}. {justification}"
-    )
+    if justification[0].islower():
+        comma = "" if _JOINING.match(justification) else ","
+        return f"{action.rstrip('!?' + _STOPS)}{comma} {justification}"
+    stop = "" if action.endswith(("!", "?")) else "."
+    return f"{action}{stop} {justification}"
 
 
 def _cityflow(document: Any) -> TextsAndIssues:

@@ -1,8 +1,8 @@
 """Search for near-duplicates in a baseline.
 
 They do not change the OOD-ness of other texts, but they make a baseline look larger than it is, and they
-make a batch of it look ordinary when it is scored against the rest. `near_duplicates(texts)` compares the
-wording, `near_duplicates(embeddings)` the meaning; both compare all pairs, in blocks.
+make a batch of it look ordinary when it is scored against the rest. All pairs are compared, in blocks, so that time
+grows with the square of their number.
 """
 
 from collections.abc import Callable, Sequence
@@ -14,21 +14,16 @@ from pydantic import Field
 
 from oodscen._numbers import finite_number
 from oodscen._text import folded_words
-from oodscen.baselines._texts import check_texts
 from oodscen.data._base import Data
 from oodscen.encoders._similarity import TIE, unit
-from oodscen.errors import DataError, Issue, UsageError
+from oodscen.errors import UsageError
 
-_BLOCK = 512
-"""Number of rows that are compared with as many others at once."""
-
-Product = Callable[[slice, slice], NDArray[np.float32]]
-"""Returns the similarities of one block of rows to another."""
+_BLOCK = 256
+"""Number of rows that are compared with all earlier ones at once."""
+Similarities = Callable[[slice], NDArray[np.float32]]
+"""Returns the similarities of a block of rows to all rows up to its last."""
 _ROUNDING = 1e-6
 """Amount by which rounding may leave the cosine of two equal rows below 1."""
-
-_NUMBERS = "iuf"
-"""Kinds of the dtypes of embeddings; any other array holds texts."""
 
 
 class Duplicate(Data):
@@ -58,101 +53,77 @@ class NearDuplicates(Data):
         return tuple(index for index in range(self.n) if index not in repeated)
 
 
-def near_duplicates(
-    items: Sequence[str] | NDArray[np.float32], threshold: float = 0.9
-) -> NearDuplicates:
-    """Return the items that resemble an earlier one.
+def similar_wording(texts: Sequence[str], threshold: float = 0.9) -> NearDuplicates:
+    """Return the texts whose three-letter sequences are nearly those of an earlier one.
+
+    Similarity is the Jaccard index of the two sets, which ignores case and punctuation. Two sentences that differ
+    only in a colour reach about 0.8. Memory grows with the number of texts.
 
     Args:
-        items: Texts, compared by their sets of three-letter sequences (Jaccard index, ignoring case and
-            punctuation, in [0, 1]); or embeddings, [n, d], compared by cosine.
-        threshold: Smallest similarity that counts, in (0, 1]. Two sentences that differ only in a colour
-            reach about 0.8 by their letters, and 0.8 to 0.95 by all-MiniLM-L6-v2.
-
-    Returns:
-        At most one entry per item, so that even a baseline of many copies gives a report no longer than itself.
-        Time grows with the square of n, memory with n.
+        texts: At least one, each visible.
+        threshold: Smallest similarity that counts, in (0, 1].
 
     Raises:
-        DataError: If there is nothing to compare, a text is blank, or a value is not finite.
         UsageError: If the threshold is not in (0, 1].
     """
+    grams = [_grams(text) for text in texts]
+    sizes = np.array([len(text_grams) for text_grams in grams], np.float32)
+    holders: dict[str, list[int]] = {}
+    for index, text_grams in enumerate(grams):
+        for gram in text_grams:
+            holders.setdefault(gram, []).append(index)
+    texts_with = {gram: np.array(indices) for gram, indices in holders.items()}
+
+    def jaccard(rows: slice) -> NDArray[np.float32]:
+        shared = np.zeros((rows.stop - rows.start, rows.stop), np.float32)
+        for row, text_grams in zip(shared, grams[rows], strict=True):
+            sharing = np.concatenate([texts_with[gram] for gram in text_grams])
+            row[:] = np.bincount(sharing, minlength=len(texts))[: rows.stop]
+        shared /= sizes[rows, None] + sizes[: rows.stop] - shared
+        return shared
+
+    return _compare(len(texts), jaccard, threshold, "trigrams")
+
+
+def similar_meaning(vectors: NDArray[np.float32], threshold: float = 0.9) -> NearDuplicates:
+    """Return the rows that nearly point where an earlier one does, by cosine.
+
+    Two sentences that differ only in a colour reach 0.8 to 0.95 with all-MiniLM-L6-v2.
+
+    Args:
+        vectors: Embeddings, [n, d], finite; n is at least 1.
+        threshold: Smallest similarity that counts, in (0, 1].
+
+    Raises:
+        UsageError: If the threshold is not in (0, 1].
+    """
+    scaled = unit(vectors)
+
+    def cosines(rows: slice) -> NDArray[np.float32]:
+        return np.asarray(np.clip(scaled[rows] @ scaled[: rows.stop].T, -1.0, 1.0), np.float32)
+
+    return _compare(len(vectors), cosines, threshold, "cosine")
+
+
+def _compare(
+    size: int, similarities: Similarities, threshold: float, measure: Literal["cosine", "trigrams"]
+) -> NearDuplicates:
+    """Compare every row with all earlier ones."""
     threshold = finite_number("threshold", threshold)
     if not 0.0 < threshold <= 1.0:
         raise UsageError(f"the threshold {threshold} is not in (0, 1]")
-    if isinstance(items, np.ndarray) and items.dtype.kind not in _NUMBERS:
-        items = items.tolist()
-    if isinstance(items, np.ndarray):
-        return _report(len(items), _cosines(items), threshold, "cosine")
-    texts = check_texts(items, "baseline")
-    return _report(len(texts), _jaccard(texts), threshold, "trigrams")
-
-
-def _report(
-    size: int, product: Product, threshold: float, measure: Literal["cosine", "trigrams"]
-) -> NearDuplicates:
-    """Compare every row with all earlier ones, block by block."""
-    best, nearest = np.full(size, -np.inf, np.float32), np.zeros(size, np.int64)
-    for first in range(0, size, _BLOCK):
-        rows = slice(first, min(first + _BLOCK, size))
-        for start in range(0, first + 1, _BLOCK):
-            columns = slice(start, min(start + _BLOCK, size))
-            values = product(rows, columns)
-            if start == first:
-                values = np.where(np.tri(len(values), k=-1, dtype=bool), values, -np.inf)
-            largest = values.max(axis=1, keepdims=True)
-            column = (values >= largest - TIE).argmax(axis=1)
-            value = np.take_along_axis(values, column[:, None], axis=1)[:, 0]
-            is_better = value > best[rows] + TIE
-            nearest[rows] = np.where(is_better, column + start, nearest[rows])
-            best[rows] = np.where(is_better, value, best[rows])
-    repeated = np.flatnonzero((best >= threshold - _ROUNDING) & (best > 0.0))
-    return NearDuplicates(
-        found=tuple(
-            Duplicate(index=index, of=int(nearest[index]), similarity=float(best[index]))
-            for index in repeated.tolist()
-        ),
-        n=size,
-        threshold=threshold,
-        measure=measure,
-    )
-
-
-def _cosines(vectors: NDArray[np.float32]) -> Product:
-    fault = ""
-    if vectors.ndim != 2 or not len(vectors):
-        fault = f"has the shape {vectors.shape}, not one row for each text"
-    elif not np.isfinite(vectors).all():
-        fault = "holds values that are not finite"
-    if fault:
-        raise DataError("embeddings", [Issue("", fault)])
-    scaled = unit(vectors)
-
-    def product(rows: slice, columns: slice) -> NDArray[np.float32]:
-        return np.asarray(np.clip(scaled[rows] @ scaled[columns].T, -1.0, 1.0), np.float32)
-
-    return product
-
-
-def _jaccard(texts: Sequence[str]) -> Product:
-    vocabulary: dict[str, int] = {}
-    grams = [
-        np.array(sorted({vocabulary.setdefault(gram, len(vocabulary)) for gram in _grams(text)}))
-        for text in texts
-    ]
-    sizes = np.array([len(text_grams) for text_grams in grams], np.float32)
-
-    def incidence(rows: slice) -> NDArray[np.float32]:
-        matrix = np.zeros((rows.stop - rows.start, len(vocabulary)), np.float32)
-        for row, text_grams in enumerate(grams[rows]):
-            matrix[row, text_grams] = 1.0
-        return matrix
-
-    def product(rows: slice, columns: slice) -> NDArray[np.float32]:
-        shared = incidence(rows) @ incidence(columns).T
-        return np.asarray(shared / (sizes[rows, None] + sizes[columns] - shared), np.float32)
-
-    return product
+    found = []
+    for start in range(0, size, _BLOCK):
+        rows = slice(start, min(start + _BLOCK, size))
+        values = similarities(rows)
+        is_earlier = np.tri(len(values), rows.stop, start - 1, np.bool_)
+        values = np.where(is_earlier, values, -np.inf)
+        best = values.max(axis=1)
+        nearest = (values >= best[:, None] - TIE).argmax(axis=1)
+        for row in np.flatnonzero((best >= threshold - _ROUNDING) & (best > 0.0)).tolist():
+            of = int(nearest[row])
+            found.append(Duplicate(index=start + row, of=of, similarity=float(values[row, of])))
+    return NearDuplicates(found=tuple(found), n=size, threshold=threshold, measure=measure)
 
 
 def _grams(text: str) -> set[str]:

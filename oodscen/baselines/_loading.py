@@ -2,17 +2,18 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from oodscen._arguments import checked
 from oodscen._files import read_utf8
 from oodscen.baselines._baseline import Baseline
+from oodscen.baselines._dataset_texts import TextsAndIssues
 from oodscen.baselines._datasets import (
     FileLayout,
     LayoutName,
     chosen_parts,
     layout_of,
-    parse,
+    read_as,
     recognise,
 )
 from oodscen.baselines._handwritten import handwritten_driving
@@ -63,8 +64,8 @@ def load_baseline(
     file = Path(path)
     recognised = _dataset(file, layout)
     if recognised is not None:
-        dataset, document = recognised
-        texts = _dataset_texts(dataset, document, parts, str(path))
+        dataset, items = recognised
+        texts = _dataset_texts(dataset, items, parts, str(path))
         source = f"{dataset.title}, {file.name}"
         licence = licence or dataset.licence
     elif parts is not None:
@@ -88,23 +89,23 @@ def _bundled(parts: Sequence[str] | None) -> Baseline:
     raise UsageError("the only part of the bundled baseline is `handwritten`")
 
 
-def _dataset(file: Path, layout: str) -> tuple[FileLayout, Any] | None:
-    """Return the layout of a file, and its content in the form that the layout's reader takes."""
+def _dataset(file: Path, layout: str) -> tuple[FileLayout, TextsAndIssues] | None:
+    """Return the layout of a data set's file, and its texts."""
     if layout == "plain":
         return None
     if layout == "auto":
         return recognise(read_utf8(file, Baseline.noun), file.suffix.lower())
     dataset = layout_of(layout)
-    return dataset, parse(read_utf8(file, Baseline.noun), dataset)
+    return dataset, read_as(dataset, read_utf8(file, Baseline.noun))
 
 
 def _dataset_texts(
-    layout: FileLayout, document: Any, parts: Sequence[str] | None, source: str
+    layout: FileLayout, items: TextsAndIssues, parts: Sequence[str] | None, source: str
 ) -> list[str]:
     kinds = layout.default_parts if parts is None else chosen_parts(layout, tuple(parts))
     issues: list[Issue] = []
     texts: list[str] = []
-    for item in [document] if isinstance(document, Issue) else layout.read(document):
+    for item in items:
         if isinstance(item, Issue):
             issues.append(item)
         elif item.kind in kinds:

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 
+from oodscen._text import is_visible
+from oodscen.data._base import Data
 from oodscen.data._scenario import Scenario
 from oodscen.errors import DataError, Issue
 
@@ -9,6 +11,8 @@ MAX_CHARACTERS = 1_000_000
 """The longest text that is measured, in characters; a longer one comes from a file without line ends."""
 
 _MOST_ISSUES = 20
+_NO_SEQUENCES = (str, bytes, bytearray, Data, Iterator, Mapping, Set)
+"""Iterables that are one value, have no order, or are gone once they are read."""
 
 
 def check_texts(texts: Sequence[str | Scenario], noun: str = "text set") -> tuple[str, ...]:
@@ -18,10 +22,7 @@ def check_texts(texts: Sequence[str | Scenario], noun: str = "text set") -> tupl
         DataError: If the texts are no sequence or there is none; otherwise with an issue for each text
             that is no string, is blank or too long, holds a NUL character, or is not valid Unicode.
     """
-    for kind, one in ((str, "string"), (bytes, "bytes object"), (Scenario, "scenario")):
-        if isinstance(texts, kind):
-            raise DataError(noun, [Issue("", f"is one {one}, not a sequence of texts")])
-    is_ordered = isinstance(texts, Iterable) and not isinstance(texts, Iterator | Mapping | Set)
+    is_ordered = isinstance(texts, Iterable) and not isinstance(texts, _NO_SEQUENCES)
     if not is_ordered or getattr(texts, "ndim", 1) != 1:
         fault = f"is {type(texts).__name__}, not a sequence of texts"
         raise DataError(noun, [Issue("", fault)])
@@ -37,7 +38,7 @@ def fault_of(text: object) -> str:
     """Return the reason why a value is not a usable text; empty if it is one."""
     if not isinstance(text, str):
         return f"is {type(text).__name__}, not a text"
-    if not text.strip():
+    if not is_visible(text):
         return "is blank"
     if len(text) > MAX_CHARACTERS:
         return f"has {len(text):,} characters, and a text has at most {MAX_CHARACTERS:,}"

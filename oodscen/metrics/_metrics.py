@@ -16,7 +16,7 @@ from oodscen._numbers import finite_number, seed_number, whole_number
 from oodscen._progress import Progress, reporting
 from oodscen._seeding import stream
 from oodscen.baselines._baseline import Baseline
-from oodscen.baselines._duplicates import NearDuplicates, near_duplicates
+from oodscen.baselines._duplicates import NearDuplicates, similar_meaning, similar_wording
 from oodscen.baselines._embedded import (
     SUFFIXES,
     EmbeddedBaseline,
@@ -388,7 +388,9 @@ class Metrics(Brief):
             UsageError: If the threshold is not in (0, 1].
         """
         plain = check_texts(texts)
-        return near_duplicates(self._space.vectors(plain) if by_meaning else plain, threshold)
+        if by_meaning:
+            return similar_meaning(self._space.vectors(plain), threshold)
+        return similar_wording(plain, threshold)
 
     @checked
     def write_embeddings(self, path: str | Path, texts: Iterable[str]) -> int:

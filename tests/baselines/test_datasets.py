@@ -234,8 +234,10 @@ def test_the_description_of_an_object_takes_one_article(tmp_path, looks, questio
         ("The car stops!", "because of rain", "The car stops because of rain"),
         ("The car stops", "Rain falls.", "The car stops. Rain falls."),
         ("The  car\nstops. ", "for\ta bus", "The car stops for a bus"),
-        ("The car stops.", "the light is red", "The car stops. the light is red"),
-        ("The car stops", "today a bus waits", "The car stops. today a bus waits"),
+        ("The car stops.", "the light is red", "The car stops, the light is red"),
+        ("The car stops", "today a bus waits", "The car stops, today a bus waits"),
+        ("The car stops,", "The light is red.", "The car stops. The light is red."),
+        ("The car waits;", "because of rain", "The car waits because of rain"),
     ],
 )
 def test_an_action_and_its_reason_are_one_text(tmp_path, action, reason, text):

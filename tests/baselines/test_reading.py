@@ -5,13 +5,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from oodscen._text import is_visible
 from oodscen.baselines._reading import read_records
 from oodscen.errors import DataError
 
 plain = st.lists(
     st.text(st.characters(codec="utf-8", exclude_categories=["Cc"]), min_size=1)
     .map(str.strip)
-    .filter(bool),
+    .filter(is_visible),
     min_size=1,
     max_size=6,
 )
@@ -118,7 +119,7 @@ def test_a_label_that_is_no_text_is_refused(tmp_path, label):
 LINES = st.lists(
     st.text(st.characters(exclude_characters="\r\n\0", codec="utf-8"), min_size=1)
     .map(str.strip)
-    .filter(lambda line: line and line[0] not in '[{"'),
+    .filter(lambda line: is_visible(line) and line[0] not in '[{"'),
     min_size=1,
     max_size=6,
 )

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from oodscen.baselines._baseline import Baseline
 from oodscen.baselines._texts import check_texts
 from oodscen.data._scenario import Scenario
 from oodscen.errors import DataError
@@ -33,10 +34,17 @@ def test_one_string_is_not_a_set_of_texts():
 
 
 @pytest.mark.parametrize(
-    ("one", "kind"),
-    [("a", "string"), (b"a", "bytes object"), (Scenario(id="a", text="a"), "scenario")],
+    "one",
+    [
+        "a",
+        b"a",
+        bytearray(b"ab"),
+        Scenario(id="a", text="a"),
+        Baseline(texts=("a", "b"), name="a", source="a"),
+    ],
 )
-def test_a_single_text_gets_one_fault_that_names_it(one, kind):
-    with pytest.raises(DataError, match=f"is one {kind}, not a sequence of texts") as error:
+def test_a_single_text_gets_one_fault_that_names_it(one):
+    fault = f"is {type(one).__name__}, not a sequence of texts"
+    with pytest.raises(DataError, match=fault) as error:
         check_texts(one)
     assert len(error.value.issues) == 1

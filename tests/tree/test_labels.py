@@ -81,6 +81,11 @@ def test_invalid_labels_are_refused_in_a_short_line(label):
     [
         ("\u3164", "is empty"),
         ("None ", "'None', which names nothing"),
+        ("\uff2e\uff4f\uff4e\uff45", "which names nothing"),
+        ("nothing  unusual", "which names nothing"),
+        ("Nothing is unusual.", "which names nothing"),
+        ("none,", "which names nothing"),
+        ("....", "which names nothing"),
         ("a\u2028b", "line breaks, control characters"),
         ("\u202egnp.exe", "do not show or turn the direction"),
         ("Fog &lt;b&gt;", "markup or code"),
