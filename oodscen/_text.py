@@ -5,8 +5,7 @@ import re
 import sys
 import unicodedata
 from collections.abc import Mapping
-from functools import cache, lru_cache
-from typing import Any
+from functools import lru_cache
 
 CHARACTERS_PER_TOKEN = 4
 """Characters per token of English text, about."""
@@ -110,20 +109,24 @@ _BRITISH = {
 }
 
 
-@lru_cache(maxsize=16_384)
 def stem(word: str) -> str:
     """Return the stem that the inflections and spellings of an English word share: `block` for `blocked`.
 
     Args:
         word: A single word in lower case.
     """
-    found: str = _stemmer().stemWord(_BRITISH.get(word, word))
-    return found
+    return inflection_stem(_BRITISH.get(word, word))
 
 
-@cache
-def _stemmer() -> Any:
+@lru_cache(maxsize=65_536)
+def inflection_stem(word: str) -> str:
+    """Return the stem that the inflections of an English word share, whatever its spelling.
+
+    Args:
+        word: A single word in lower case.
+    """
     # The package loads the rules of every language, so it is imported only where words are compared.
     import snowballstemmer
 
-    return snowballstemmer.stemmer("english")
+    # A stemmer holds the word that it works on, and other threads may be at work.
+    return str(snowballstemmer.stemmer("english").stemWord(word))

@@ -5,12 +5,22 @@ import os
 import subprocess
 import sys
 import unicodedata
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._text import clean_surrogates, is_visible, one_line, printable, stem, text_fault, whole
+from oodscen._text import (
+    clean_surrogates,
+    inflection_stem,
+    is_visible,
+    one_line,
+    printable,
+    stem,
+    text_fault,
+    whole,
+)
 
 halves = st.text(st.characters(categories=["Cs", "Cc", "Cf", "Lo", "So"]), max_size=8)
 
@@ -106,3 +116,11 @@ def test_lone_surrogates_are_replaced_and_pairs_kept():
 def test_json_means_the_same_after_its_escapes(value):
     value = json.loads(whole(json.dumps(value, ensure_ascii=False)))
     assert json.loads(printable(json.dumps(value, ensure_ascii=False))) == value
+
+
+def test_threads_may_reduce_words_to_stems_at_once():
+    words = [f"{first}{second}ings" for first in "bcdfghjk" for second in ("lock", "rak", "urn")]
+    expected = [*map(inflection_stem, words)]
+    inflection_stem.cache_clear()
+    with ThreadPoolExecutor(8) as pool:
+        assert list(pool.map(lambda _: [*map(inflection_stem, words)], range(8))) == [expected] * 8

@@ -154,10 +154,11 @@ def left_out(verdicts: "Sequence[Verdict]") -> list[str]:
     for verdict in verdicts:
         if verdict.outcome in _INCOMPLETE:
             groups.setdefault((verdict.model, verdict.outcome), []).append(verdict)
-    lines = [
-        f"{model}: {len(group)} items {_INCOMPLETE[outcome].format(error=group[0].error, model=model)}"
-        for (model, outcome), group in groups.items()
-    ]
+    lines = []
+    for (model, outcome), group in groups.items():
+        command = "the same command" if all(one.retryable for one in group) else "--retry-failed"
+        told = _INCOMPLETE[outcome].format(error=group[0].error, model=model, command=command)
+        lines.append(f"{model}: {len(group)} items {told}")
     if reasons := [verdict.judge_error for verdict in verdicts if verdict.judge_error]:
         lines.append(
             f"the judge: no usable answer about {len(reasons)} open aspects, which the matcher scored, e.g. "
@@ -189,10 +190,10 @@ def kept_verdicts(vlms: Iterable[str], ledger: "Ledger", asked_at: Mapping[str, 
 
 _INCOMPLETE = {
     "unasked": "{error}; the same command asks them, --drop {model} takes the model out of the study",
-    "timeout": "got no answer in time, e.g. {error}; the same command asks them again",
-    "error": "failed, e.g. {error}; --retry-failed asks them again",
-    "unparsed": "got an answer that cannot be read, e.g. {error}; --retry-failed asks them again",
-    "refused": "got a refusal, e.g. {error}; --retry-failed asks them again",
+    "timeout": "got no answer in time, e.g. {error}; {command} asks them again",
+    "error": "failed, e.g. {error}; {command} asks them again",
+    "unparsed": "got an answer that cannot be read, e.g. {error}; {command} asks them again",
+    "refused": "got a refusal, e.g. {error}; {command} asks them again",
 }
 """Words about items without a whole answer, by their outcome."""
 

@@ -18,10 +18,12 @@ def test_items_without_a_whole_answer_are_told_per_model() -> None:
     )
     others = ("answered", "unavailable", "error", "unparsed")
     rest = [verdict.model_copy(update={"outcome": outcome}) for outcome in others]
-    assert left_out([verdict, verdict, *rest]) == [
+    down = verdict.model_copy(update={"model": "n", "outcome": "error", "retryable": True})
+    assert left_out([verdict, verdict, *rest[:-1], down, rest[-1]]) == [
         "m: 2 items not asked: down; the same command asks them, --drop m takes the model out of "
         "the study",
         "m: 1 items failed, e.g. not asked: down; --retry-failed asks them again",
+        "n: 1 items failed, e.g. not asked: down; the same command asks them again",
         "m: 1 items got an answer that cannot be read, e.g. not asked: down; --retry-failed asks them again",
     ]
 

@@ -135,7 +135,10 @@ _OPENS = re.compile(
 )
 _CLOSES = re.compile(rf"\A[`*]*\.?\s*(?:```|~~~)?(?:\s*</{_ELEMENTS}>)?", re.IGNORECASE)
 _LEAD = re.compile(
-    r"(?:assistant:? ?|#{1,6} )?(?:(?:sure|ok|okay|certainly|of course|yes|so|therefore)(?:[,.!:]|$) ?)?(?:here it is[.:]?"
+    r"(?:assistant:? ?|#{1,6} )?(?:(?:sure|ok|okay|certainly|of course|yes|so|therefore)(?:[,.!:]|$) ?)?"
+    r"(?:(?:based on|given|considering|looking at|after (?:looking at|reviewing|analy[sz]ing)) (?:the|these|all the|your)"
+    r" (?:(?:three|provided|given|driving) )*(?:frames|images|pictures|scene|information|instructions), ?)?"
+    r"(?:here it is[.:]?"
     r"|i(?: would|'d| will|'ll)? (?:answer|choose|pick|select)(?: that)? ?:?"
     r"|(?:(?:here is|here's|this is) )?(?:(?:the|my|your) )?"
     r"(?:(?:final|best|safest|chosen|requested|recommended|correct|structured|json) )*"
@@ -152,7 +155,10 @@ _COURTESY = re.compile(
 
 
 def _labelled(prose: str, requested: re.Pattern[str]) -> dict[str, Any] | None:
-    """Return tidied prose as an object if its first line has the label of a member; other lines go on with theirs."""
+    """Return tidied prose as an object if its first line, but for a heading, has the label of a member.
+
+    Lines without a label go on with the one before.
+    """
 
     def is_known(label: str) -> bool:
         return any(names.fullmatch(spelt(label)) for names in (requested, REASON, CONFIDENCE))
@@ -169,13 +175,14 @@ def _labelled(prose: str, requested: re.Pattern[str]) -> dict[str, Any] | None:
             members[name] = label[2].strip()
         elif name:
             members[name] = f"{members[name]}\n{line}".strip()
-        else:
+        elif not _HEADING.fullmatch(fold(line)):
             return None
     if not any(requested.fullmatch(name) for name in members):
         return None
     return {name: words.strip(" .") for name, words in members.items()}
 
 
+_HEADING = re.compile(r"(?:#{1,6} )?(?:(?:the|my|your) )?(?:final )?(?:answer|response)[:.]?")
 _NEXT = re.compile(r"[.,;] (?=(\w+) ?[:=] ?\w)")
 """Matches what stands before the label of another member in the same line."""
 _LABEL = re.compile(r"(?:[-\u2022] |#{1,6} )?([\w ]{2,40}?) ?[:=] ?(.*)")

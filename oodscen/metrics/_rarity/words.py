@@ -2,16 +2,16 @@
 
 import re
 from collections.abc import Sequence
-from functools import cache, lru_cache
+from functools import cache
 from typing import Final
 
 import numpy as np
-import snowballstemmer
 from numpy.typing import NDArray
+
+from oodscen._text import inflection_stem
 
 _WORD = re.compile(r"[a-z]{2,}")
 _ANY_WORD = re.compile(r"\w{2,}")
-_STEMMER = snowballstemmer.stemmer("english")
 _SENTENCE_BREAK = re.compile(r"(?<=[.!?:])\s+")
 _COURTEOUS: Final = """
 apologies apologise appreciate attention cheers colleague colleagues dear excuse forgive grateful greetings hello hi kind kindly obliged pardon
@@ -30,12 +30,7 @@ _LEAST_LENGTH = 1e-9
 
 def stems(text: str) -> list[str]:
     """Return the stems of a text's words in plain Latin letters, in order."""
-    return [_stem(word) for word in _WORD.findall(text.lower())]
-
-
-@lru_cache(maxsize=65_536)
-def _stem(word: str) -> str:
-    return str(_STEMMER.stemWord(word))
+    return [inflection_stem(word) for word in _WORD.findall(text.lower())]
 
 
 def without_courtesy(text: str) -> str:

@@ -381,6 +381,8 @@ def test_members_are_found_however_they_are_spelt_and_once():
         ("Reasoning:\nThe deer is near.\nIt runs.\n\nFinal answer = pull_over", "pull_over"),
         ("# Reasoning\nThe deer is near.\n# Action\nstop", "stop"),
         ("<reasoning>The deer is near.</reasoning>\n<action>stop</action>", "stop"),
+        ("**Answer**\n\n- **Action**: stop", "stop"),
+        ("The wrong answer\n- Action: stop", None),
         ("Action: stop\nAction: slow_down", None),
         ("Action: stop\nNegated: yes", None),
         ("Reasoning: stop", None),

@@ -132,7 +132,7 @@ FRIENDLY = r"""
 **Final Answer:**\n\n@|## Answer\n\n@|**Answer**\n```json\n@\n```|Sure! @|Okay, here it is.\n@|Sure! Here is my answer:\n\n```json\n@\n```
 <think>Or {"action": "keep_speed"}? No.</think>@|hm</think>\n\n@|<answer>@</answer>|<final_answer>\n@\n</final_answer>|@<|im_end|>|"@"|@.|**@**
 Here is my answer in the requested JSON format:\n\n@|Here is the JSON:\n@|My choice: @|I would choose: @|The answer is: @|@\n\nHope this helps!
-@\n\nLet me know if you need anything else!|assistant: @|{"answer": @}|{"result": @}|{"answer": @, "reasoning": "The lane is blocked."}
+@\n\nLet me know if you need anything else!|assistant: @|Sure! Looking at the frames, here is my answer:\n@|Based on the provided images, my answer is: @|{"answer": @}|{"result": @}|{"answer": @, "reasoning": "The lane is blocked."}
 stop|Stop.|STOP|**stop**|`stop`|"stop"|- stop|Action: stop|**Action:** stop|Action: **stop**|Answer: stop|Final answer: stop.|<answer>stop</answer>
 \boxed{stop}|The answer is stop.|The answer is: **stop**|My choice is stop.|I choose stop.|I choose to stop.|I would stop.|I will stop.|I should stop.
 I'd stop, because the lane is blocked.|We should stop now.|Let's stop.|The ego vehicle should stop.|The ego vehicle should stop to avoid a collision.
