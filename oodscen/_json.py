@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from codecs import BOM_UTF8
 from collections.abc import Iterator
 from typing import Any
 
@@ -42,12 +43,12 @@ def parse_json(text: str | bytes) -> Any:
 
 
 def parse_object(text: str | bytes) -> dict[str, Any]:
-    """Parse a JSON document that must be an object.
+    """Parse a JSON document that must be an object; the byte order mark of a file before it is skipped.
 
     Raises:
         ValueError: With a one-line message.
     """
-    value = parse_json(text)
+    value = parse_json(text.removeprefix(BOM_UTF8) if isinstance(text, bytes) else text)
     if not isinstance(value, dict):
         raise ValueError("is not a JSON object")
     return value

@@ -1,6 +1,7 @@
 """JSON from outside: what json writes comes back, everything odd is one line."""
 
 import json
+from codecs import BOM_UTF8
 
 import pytest
 from hypothesis import given
@@ -71,3 +72,10 @@ def test_only_objects_are_objects():
 def test_lines_end_at_line_feeds_alone_and_the_last_need_not_end(rows, ends):
     lines = "\n".join(json.dumps(row, ensure_ascii=False) for row in rows) + "\n" * ends
     assert [row for _, row in object_lines(lines.encode())] == rows
+
+
+@pytest.mark.parametrize("end", [b"", b"\n", b"\r\n"])
+def test_a_byte_order_mark_is_no_part_of_the_first_line(end: bytes) -> None:
+    marked = BOM_UTF8 + b'{"a": 1}' + end
+    assert parse_object(marked) == {"a": 1}
+    assert list(object_lines(marked)) == [(1, {"a": 1})]

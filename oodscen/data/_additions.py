@@ -89,10 +89,12 @@ def _tidy(value: Any) -> Any:
     """Normalise ids to lower case with underscores, so that each thing has one name."""
     if not isinstance(value, Mapping):
         return value
-    name = value.get("name")
-    if isinstance(name, str) and value.get("kind") in ("asset", "behaviour", "weather"):
-        return {**value, "name": "_".join(name.casefold().split())}
-    return value
+    name, kind = value.get("name"), value.get("kind")
+    if not isinstance(name, str) or kind not in ("asset", "behaviour", "weather", "map"):
+        return value
+    parts = name.casefold().split("+") if kind == "map" else [name.casefold()]
+    ids = ("_".join(part.split()) for part in parts)
+    return {**value, "name": " + ".join(filter(None, ids))}
 
 
 def map_with(traits: Iterable[str]) -> Addition:

@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Iterable, Iterator
+from itertools import accumulate
 from typing import Any, NamedTuple
 
 import json_repair
@@ -113,6 +114,8 @@ _STRING = r'"(?:[^"\\]|\\.)*(?:"|(?P<open>\\?\Z))'
 _TOKEN = re.compile(rf"{_STRING}|[{{}}\[\]]", re.DOTALL)
 """Strings and brackets."""
 
+_BRACE = re.compile(r"[{}]")
+
 _TRAILING_COMMA = re.compile(rf"({_STRING})|,(?=\s*[}}\]])", re.DOTALL)
 
 
@@ -127,7 +130,7 @@ def scan(text: str) -> tuple[list[JsonObject], int | None]:
         if parsed is None:
             end = _matching_brace(text, position)
             if end is not None:
-                parsed = _mended(text[position:end])
+                parsed = _mended(text[position:end], is_inner=_is_before_end(text, end))
             elif broken_off is None:
                 broken_off = position
             mended += parsed is not None
@@ -138,6 +141,12 @@ def scan(text: str) -> tuple[list[JsonObject], int | None]:
             objects.append(parsed._replace(start=position))
             position += parsed.width
     return objects, broken_off
+
+
+def _is_before_end(text: str, position: int) -> bool:
+    """Return whether a brace after `position` closes what was opened before it."""
+    marks = (1 if brace[0] == "{" else -1 for brace in _BRACE.finditer(text, position))
+    return any(depth < 0 for depth in accumulate(marks))
 
 
 def _matching_brace(text: str, position: int) -> int | None:
@@ -173,8 +182,8 @@ def _without_brace(text: str) -> JsonObject | None:
     return mended and mended._replace(width=len(text), is_complete=False)
 
 
-def _mended(text: str) -> JsonObject | None:
-    """Return a faulty object, repaired."""
+def _mended(text: str, *, is_inner: bool = False) -> JsonObject | None:
+    """Return a faulty object, repaired; if it ends inside another one, its end may be missing."""
     if len(text) > _MENDABLE:
         return None
     value = _strict(_TRAILING_COMMA.sub(lambda match: match[1] or "", text))
@@ -188,7 +197,7 @@ def _mended(text: str) -> JsonObject | None:
     if not (isinstance(value, dict) and value):
         return None
     plain = _COMMENT.sub(lambda match: match[1] or "", text)
-    is_altered = _essence(plain) != _essence(json.dumps(value))
+    is_altered = is_inner or _essence(plain) != _essence(json.dumps(value))
     return JsonObject(value, len(text), is_altered=is_altered, has_comments=plain != text)
 
 
@@ -217,4 +226,4 @@ _COMMENT = re.compile(rf"""({_STRING}|'(?:[^'\\]|\\.)*')|(?://|#)[^\n]*|/\*.*?\*
 _BREAK = re.compile(r"\\[bfnrt]")
 _CODE = re.compile(r"\\u([0-9a-fA-F]{4})")
 _COMMA = re.compile(r"\s*,\s*")
-_FORM = re.compile(r"""[\s"'\\\u201c\u201d{}\[\]:]|(?<!\d),|,(?!\d)""")
+_FORM = re.compile(r"""[\s"'\\\u201c\u201d:]|(?<!\d),|,(?!\d)""")

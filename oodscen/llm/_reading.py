@@ -1,5 +1,6 @@
 """Reading a typed answer out of the text of a language model."""
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Generic, NamedTuple, TypeVar
 
@@ -166,22 +167,24 @@ def _doubts(source: JsonObject, answer: BaseModel) -> list[Issue]:
     issues = [Issue(name[:80], "is given twice with different values") for name in source.repeated]
     if source.is_altered:
         issues.append(Issue("", "it is not valid JSON; quote every text, and write plain numbers"))
-    return issues + [
-        Issue(path, "must be a number, not true or false")
-        for path in _truths_as_numbers(source.value, answer.model_dump())
-    ]
+    return [*issues, *_differences(source.value, answer)]
 
 
-def _truths_as_numbers(written: object, read: object, path: str = "") -> Iterator[str]:
-    """Yield the places at which `true` or `false` was read as a number, in the order of the text."""
+def _differences(written: object, read: object, path: str = "") -> Iterator[Issue]:
+    """Yield a fault per truth value read as a number, and per member passed over since its name is spelt `Label`."""
     if isinstance(written, bool):
         if isinstance(read, int | float) and not isinstance(read, bool):
-            yield path
-    elif isinstance(written, dict) and isinstance(read, dict):
-        for name in written:
-            if name in read:
-                member = f"{path}.{name}".strip(".")
-                yield from _truths_as_numbers(written[name], read[name], member)
+            yield Issue(path, "must be a number, not true or false")
+    elif isinstance(written, dict) and isinstance(read, dict | BaseModel):
+        members = dict(read)
+        left_out = members.keys() - getattr(read, "model_fields_set", members.keys())
+        for name, member in written.items():
+            inner_path = f"{path}.{name[:80]}".strip(".")
+            plain = "_".join(re.findall("[a-z0-9]+", name.casefold()))
+            if name in members:
+                yield from _differences(member, members[name], inner_path)
+            elif plain in left_out:
+                yield Issue(inner_path, f"is not known: write {plain!r}")
     elif isinstance(written, list) and isinstance(read, list | tuple):
         for index, (inner, inner_read) in enumerate(zip(written, read, strict=False)):
-            yield from _truths_as_numbers(inner, inner_read, f"{path}[{index}]")
+            yield from _differences(inner, inner_read, f"{path}[{index}]")

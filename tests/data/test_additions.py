@@ -33,6 +33,7 @@ def test_it_survives_its_json(kind, name):
         ("a behavior: spin", "behaviour", "spin"),
         ("a state: car: beacon", "state", "car: beacon"),
         ("map: bridge + urban", "map", "bridge + urban"),
+        ("a map: Rail  Crossing+urban +", "map", "rail_crossing + urban"),
     ],
 )
 def test_a_model_may_write_it_as_text(text, kind, name):

@@ -2,6 +2,7 @@
 
 import json
 import time
+from ast import literal_eval
 
 import pytest
 from hypothesis import given
@@ -76,6 +77,16 @@ def test_a_sign_beside_a_value_is_never_dropped_without_a_word(value, sign, data
             assert found.is_altered or str(found.value.get(name)).replace(" ", "") == said.replace(
                 " ", ""
             )
+
+
+@pytest.mark.parametrize("said", ["moose's calf", "{a} calf}", "}", "a}, {b}} c"])
+@pytest.mark.parametrize(
+    "shape", ["{{'a': '{}', 'b': 'x'}}", "{{'a': [{{'c': '{}'}}], 'b': [{{'d': 'x'}}]}}"]
+)
+def test_what_is_quoted_in_a_string_moves_no_member_without_a_word(shape: str, said: str) -> None:
+    plain, *_ = values(json.dumps(literal_eval(shape.format("said"))).replace("said", said))
+    for found, *_ in find_objects(shape.format(said)):
+        assert found.is_altered or found.value == plain
 
 
 def test_comments_are_told() -> None:
