@@ -17,7 +17,7 @@ from tests.pipeline.quick import ORDINARY
 
 PROJECT = Path(__file__).parent.parent / "pyproject.toml"
 
-QUICK = ["--quick", "--simulator", "flat", "--encoder", "hash", "--workers", "1"]
+QUICK = ["--quick", "--simulator", "flat", "--encoder", "hash", "--workers", "0"]
 QUICK += ["--baseline", str(ORDINARY), "--width", "160", "--height", "120", "--max-paths", "1"]
 QUICK += ["--iterations", "2", "--no-demands"]
 
@@ -138,8 +138,9 @@ def test_the_stages_alone_lead_from_a_tree_to_frames(tmp_path):
 def test_simulate_keeps_what_is_asked_for(tmp_path):
     (tmp_path / "s.jsonl").write_text(example_scene().to_json() + "\n")
     out = tmp_path / "sim"
+    kept = ("--traces", "--video", "bird")
     result = call(
-        "simulate", tmp_path / "s.jsonl", out, "--simulator", "flat", "--traces", "--video", "bird"
+        "simulate", tmp_path / "s.jsonl", out, "--simulator", "flat", "--workers", 0, *kept
     )
     assert result.exit_code == 0, result.output
     assert (out / "traces" / "example-001.parquet").stat().st_size > 1_000
