@@ -25,17 +25,20 @@ BLOCK = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
 
 @pytest.fixture(scope="module", autouse=True)
-def _few_ordinary_texts():
-    """Have fifty ordinary texts where thousands would be encoded."""
+def _small_studies():
+    """Have fifty ordinary texts where thousands would be encoded, and small pictures in quick studies."""
     few = Baseline(texts=tuple(ORDINARY.read_text("utf-8").splitlines()))
+    smaller = {"width": 160, "height": 120, "demands": False}
+    quick = StudyConfig.quick
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(StudyConfig, "quick", lambda **changes: quick(**smaller | changes))
         for user in ("_metrics", "_vectors.space", "_detection.guard"):
             patch.setattr(f"oodscen.metrics.{user}.ordinary_driving", lambda: few)
         yield
 
 
 @pytest.fixture(scope="module")
-def study(_few_ordinary_texts, tmp_path_factory):
+def study(_small_studies, tmp_path_factory):
     """Make the study that pages about reading one expect in `out`."""
     folder = tmp_path_factory.mktemp("docs") / "out"
     run_study(folder, StudyConfig.quick(simulator="flat", encoder="hash"))

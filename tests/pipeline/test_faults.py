@@ -86,7 +86,7 @@ def assert_clean(out):
 
 
 def test_faults_cost_at_most_their_own_items(tmp_path, author, quiet):
-    draw = random.Random(5)
+    draw = random.Random(2)
     is_spoilt = False
 
     def faults(index, request):
