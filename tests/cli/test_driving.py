@@ -103,19 +103,23 @@ def test_what_a_stack_does_to_its_process_harms_no_other(with_stack, tmp_path) -
     with_stack("stack_dying", "import os\nclass Dying:\n    act = lambda *_: os._exit(0)\n")
     with_stack(
         "stack_patching",
-        "import os, threading\n"
         "import numpy as np\n"
         "from oodscen.driving._motion.actions import Cruise\n"
-        "threading.Thread(target=threading.Event().wait).start()\n"
         "class Patching(Cruise):\n"
-        "    def __init__(self):\n"
-        "        super().__init__()\n"
-        "        os.chdir(os.path.join(os.path.dirname(__file__), 'elsewhere'))\n"
         "    def act(self, observation):\n"
         "        np.isfinite = None\n"
         "        return super().act(observation)\n",
     )
-    names = ("stack_dying:Dying", "stack_patching:Patching", "keep_speed")
+    with_stack(
+        "stack_moving",
+        "import os, threading\n"
+        "from oodscen.driving._motion.actions import Cruise\n"
+        "threading.Thread(target=threading.Event().wait).start()\n"
+        "def make():\n"
+        "    os.chdir(os.path.join(os.path.dirname(__file__), 'elsewhere'))\n"
+        "    return Cruise()\n",
+    )
+    names = ("stack_dying:Dying", "stack_patching:Patching", "stack_moving:make")
     options = [option for name in names for option in ("--driver", name)]
     found = CliRunner().invoke(main, ["drive", "out", *options])
     assert found.exit_code == 1
@@ -123,11 +127,11 @@ def test_what_a_stack_does_to_its_process_harms_no_other(with_stack, tmp_path) -
     rows = map(json.loads, (tmp_path / "out" / "drives.jsonl").read_text().splitlines())
     drives = [(row["driver"], row["status"], row.get("error", "")) for row in rows]
     assert [row[:2] for row in drives] == [
-        *[("keep_speed", "ok")] * 2,
         *[(names[0], "failed")] * 2,
+        *[(names[2], "ok")] * 2,
         *[(names[1], "failed")] * 2,
     ]
-    assert "its process died (" in drives[2][2]
+    assert "its process died (" in drives[0][2]
     assert "'NoneType' object is not callable" in drives[4][2]
     assert os.path.samefile(os.curdir, tmp_path)
     assert list((tmp_path / "elsewhere").iterdir()) == []
