@@ -41,7 +41,7 @@ def entry_points(group: str) -> EntryPoints:
             folder = (path, os.stat(path or os.curdir).st_mtime_ns)
             if _holds_packages(*folder):
                 folders.append(folder)
-    return _installed(tuple(folders)).select(group=group)
+    return _installed(tuple(folders))[group]
 
 
 @lru_cache(maxsize=256)
@@ -54,9 +54,10 @@ def _holds_packages(path: str, changed_ns: int) -> bool:
 
 
 @lru_cache(maxsize=1)
-def _installed(folders: tuple[tuple[str, int], ...]) -> EntryPoints:
-    """Return all entry points of packages in folders with these times of change."""
-    return cast(EntryPoints, metadata.entry_points())  # mypy reads the signature of Python 3.10.
+def _installed(folders: tuple[tuple[str, int], ...]) -> dict[str, EntryPoints]:
+    """Return the entry points of packages in folders with these times of change, by group."""
+    points = cast(EntryPoints, metadata.entry_points())  # mypy reads the signature of Python 3.10.
+    return {group: points.select(group=group) for group in KINDS.values()}
 
 
 def names(kind: str) -> dict[str, EntryPoint]:

@@ -126,24 +126,13 @@ def test_the_stages_alone_lead_from_a_tree_to_frames(tmp_path):
     lines = paths["t.jsonl"].read_text().splitlines()
     paths["t.jsonl"].write_text("\n".join(lines[:2]) + "\n")
     step("augment", paths["t.jsonl"], "--simulator", "flat", "-o", paths["s.jsonl"])
-    step("simulate", paths["s.jsonl"], tmp_path / "sim", "--simulator", "flat")
-    episodes = [
-        json.loads(x) for x in (tmp_path / "sim" / "episodes.jsonl").read_text().splitlines()
-    ]
-    assert [episode["status"] for episode in episodes] == ["ok", "ok"]
-    assert (tmp_path / "sim" / episodes[0]["frames"]["last"]).stat().st_size > 1_000
-    assert len(ScenarioTree.load(paths["a.json"])) == 20
-
-
-def test_simulate_keeps_what_is_asked_for(tmp_path):
-    (tmp_path / "s.jsonl").write_text(example_scene().to_json() + "\n")
     out = tmp_path / "sim"
-    result = call(
-        "simulate", tmp_path / "s.jsonl", out, "--simulator", "flat", "--traces", "--video", "bird"
-    )
-    assert result.exit_code == 0, result.output
-    assert (out / "traces" / "example-001.parquet").stat().st_size > 1_000
-    assert (out / "videos" / "example-001.mp4").stat().st_size > 1_000
+    step("simulate", paths["s.jsonl"], out, "--simulator", "flat", "--traces", "--video", "bird")
+    episodes = [json.loads(x) for x in (out / "episodes.jsonl").read_text().splitlines()]
+    assert [episode["status"] for episode in episodes] == ["ok", "ok"]
+    for file in ("frames/{}/last.jpg", "traces/{}.parquet", "videos/{}.mp4"):
+        assert (out / file.format(episodes[0]["id"])).stat().st_size > 1_000
+    assert len(ScenarioTree.load(paths["a.json"])) == 20
 
 
 def test_a_scene_that_fails_gives_exit_code_one_and_its_reason(tmp_path):

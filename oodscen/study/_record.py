@@ -1,6 +1,7 @@
 """The content of `study.json`: authors, configuration and versions."""
 
 import platform
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, ClassVar, Literal
 
@@ -67,10 +68,13 @@ def authors(config: StudyConfig) -> dict[str, str]:
 
 def versions() -> dict[str, str]:
     """Return the versions of everything that the results may depend on."""
-    versions = {"oodscen": __version__, "python": platform.python_version()}
-    for package in _PACKAGES:
-        try:
-            versions[package] = version(package)
-        except PackageNotFoundError:
-            versions[package] = "not installed"
-    return versions
+    installed = {package: _installed(package) for package in _PACKAGES}
+    return {"oodscen": __version__, "python": platform.python_version(), **installed}
+
+
+@cache
+def _installed(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed"

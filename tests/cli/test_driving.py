@@ -98,27 +98,9 @@ def test_a_driver_runs_in_this_process_for_debuggers(with_stack, tmp_path) -> No
     assert "a stack talks" in found.stderr
 
 
-def test_a_stack_that_ends_its_process_fails_and_the_others_go_on(with_stack, tmp_path) -> None:
+def test_what_a_stack_does_to_its_process_harms_no_other(with_stack, tmp_path) -> None:
+    (tmp_path / "elsewhere").mkdir()
     with_stack("stack_dying", "import os\nclass Dying:\n    act = lambda *_: os._exit(0)\n")
-    found = CliRunner().invoke(
-        main, ["drive", "out", "--driver", "stack_dying:Dying", "--driver", "rule-based"]
-    )
-    assert found.exit_code == 1
-    assert "stack_dying:Dying, scenes: 0 of 1 passed" in found.output
-    lines = (tmp_path / "out" / "drives.jsonl").read_text().splitlines()
-    drives = [
-        (row["driver"], row["status"], row.get("error", "")) for row in map(json.loads, lines)
-    ]
-    assert [row[:2] for row in drives] == [
-        ("rule-based", "ok"),
-        ("rule-based", "ok"),
-        ("stack_dying:Dying", "failed"),
-        ("stack_dying:Dying", "failed"),
-    ]
-    assert "its process died (" in drives[2][2]
-
-
-def test_what_a_stack_changes_in_its_process_changes_no_other_drive(with_stack, tmp_path) -> None:
     with_stack(
         "stack_patching",
         "import numpy as np\n"
@@ -128,14 +110,31 @@ def test_what_a_stack_changes_in_its_process_changes_no_other_drive(with_stack, 
         "        np.isfinite = None\n"
         "        return super().act(observation)\n",
     )
-    names = ("stack_patching:Patching", "keep_speed")
+    with_stack(
+        "stack_moving",
+        "import os, threading\n"
+        "from oodscen.driving._motion.actions import Cruise\n"
+        "threading.Thread(target=threading.Event().wait).start()\n"
+        "def make():\n"
+        "    os.chdir(os.path.join(os.path.dirname(__file__), 'elsewhere'))\n"
+        "    return Cruise()\n",
+    )
+    names = ("stack_dying:Dying", "stack_patching:Patching", "stack_moving:make")
     options = [option for name in names for option in ("--driver", name)]
     found = CliRunner().invoke(main, ["drive", "out", *options])
     assert found.exit_code == 1
+    assert "stack_dying:Dying, scenes: 0 of 1 passed" in found.output
     rows = map(json.loads, (tmp_path / "out" / "drives.jsonl").read_text().splitlines())
     drives = [(row["driver"], row["status"], row.get("error", "")) for row in rows]
-    assert [row[:2] for row in drives] == [("keep_speed", "ok")] * 2 + [(names[0], "failed")] * 2
-    assert "'NoneType' object is not callable" in drives[2][2]
+    assert [row[:2] for row in drives] == [
+        *[(names[0], "failed")] * 2,
+        *[(names[2], "ok")] * 2,
+        *[(names[1], "failed")] * 2,
+    ]
+    assert "its process died (" in drives[0][2]
+    assert "'NoneType' object is not callable" in drives[4][2]
+    assert os.path.samefile(os.curdir, tmp_path)
+    assert list((tmp_path / "elsewhere").iterdir()) == []
 
 
 def test_a_stack_that_ends_its_process_when_it_is_made_is_refused(with_stack, tmp_path) -> None:
@@ -171,24 +170,6 @@ def test_an_interrupted_command_keeps_the_drives_that_have_ended(with_stack, tmp
     assert found.exit_code == 130
     lines = (tmp_path / "out" / "drives.jsonl").read_text().splitlines()
     assert [json.loads(line)["driver"] for line in lines] == ["rule-based"] * 2
-
-
-def test_a_stack_may_change_the_working_folder_and_leave_a_thread(with_stack, tmp_path) -> None:
-    (tmp_path / "elsewhere").mkdir()
-    with_stack(
-        "stack_moving",
-        "import os, threading\n"
-        "from oodscen.driving._motion.actions import Cruise\n"
-        "threading.Thread(target=threading.Event().wait).start()\n"
-        "def make():\n"
-        "    os.chdir(os.path.join(os.path.dirname(__file__), 'elsewhere'))\n"
-        "    return Cruise()\n",
-    )
-    found = CliRunner().invoke(main, ["drive", "out", "--driver", "stack_moving:make"])
-    assert os.path.samefile(os.curdir, tmp_path)
-    assert found.exit_code == 0
-    assert (tmp_path / "out" / "drives.jsonl").is_file()
-    assert list((tmp_path / "elsewhere").iterdir()) == []
 
 
 def test_a_driver_that_is_named_twice_drives_once(with_stack, tmp_path) -> None:

@@ -1,6 +1,7 @@
 """`oodscen score`: which model was asked, how often, and what it did not answer."""
 
 import json
+from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
@@ -8,7 +9,9 @@ from click.testing import CliRunner
 from oodscen._cli import main
 from oodscen.metrics._rarity.rates import published_rates
 from oodscen.protocols import Completion, Request, Usage
+from tests.pipeline.quick import ORDINARY
 
+SCORE = ["score", "t.txt", "--encoder", "hash", "--baseline", str(ORDINARY)]
 ENTRY = {"unit": "log10 km", "low": 4, "best": 5, "high": 6}
 
 
@@ -27,6 +30,11 @@ class Mute:
         return Completion(text="About once in a blue moon.", usage=Usage(input_tokens=15))
 
 
+@pytest.fixture(autouse=True)
+def _own_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
 @pytest.mark.parametrize(
     ("model", "calls", "words"),
     [
@@ -34,9 +42,9 @@ class Mute:
         ("Mute", 9, ("unknown for all of 2 texts", "by mute; not answered for 2; 135 tokens")),
     ],
 )
-def test_the_model_that_was_asked_is_named_with_its_calls(tmp_path, model, calls, words):
-    (tmp_path / "t.txt").write_text("A sofa lies on the road.\nA deer runs across the road.\n")
-    order = ["score", str(tmp_path / "t.txt"), "--encoder", "hash", "--llm", f"{__name__}:{model}"]
+def test_the_model_that_was_asked_is_named_with_its_calls(model, calls, words):
+    Path("t.txt").write_text("A sofa lies on the road.\nA deer runs across the road.\n")
+    order = [*SCORE, "--llm", f"{__name__}:{model}"]
     result = CliRunner().invoke(main, order)
     assert result.exit_code == 0, result.output
     (rarity,) = [line for line in result.stdout.splitlines() if line.startswith("rarity")]
@@ -45,10 +53,9 @@ def test_the_model_that_was_asked_is_named_with_its_calls(tmp_path, model, calls
     assert json.loads(CliRunner().invoke(main, [*order, "--json"]).stdout)["n"] == 2
 
 
-def test_rates_that_the_model_does_not_answer_are_told(tmp_path):
-    (tmp_path / "t.txt").write_text("A sofa lies on the road.\n")
-    order = ["score", str(tmp_path / "t.txt"), "--encoder", "hash", "--anchors", "published"]
-    order += ["--llm", f"{__name__}:Mute"]
+def test_rates_that_the_model_does_not_answer_are_told():
+    Path("t.txt").write_text("A sofa lies on the road.\n")
+    order = [*SCORE, "--anchors", "published", "--llm", f"{__name__}:Mute"]
     said = CliRunner().invoke(main, order).stdout
     rates = len(published_rates())
     assert f"not calibrated, as none of {rates} published rates was answered" in said
@@ -57,7 +64,7 @@ def test_rates_that_the_model_does_not_answer_are_told(tmp_path):
     assert rarity["calibration"] is None
 
 
-def test_without_a_model_no_calls_are_told(tmp_path):
-    (tmp_path / "t.txt").write_text("A sofa lies on the road.\n")
-    result = CliRunner().invoke(main, ["score", str(tmp_path / "t.txt"), "--encoder", "hash"])
+def test_without_a_model_no_calls_are_told():
+    Path("t.txt").write_text("A sofa lies on the road.\n")
+    result = CliRunner().invoke(main, SCORE)
     assert "calls" not in result.stdout

@@ -12,8 +12,8 @@ from oodscen._cli import main
 from oodscen.testing._scenes import example_scene
 
 VALUES = [
-    *("nan", "inf", "-inf", "1e308", str(10**30), "-1", "0", "", "wrong", "a\0b", "\udcff"),
-    *("9" * 5_000, "x" * 100_000),
+    *("nan", "-inf", "1e308", str(10**30), "-1", "0", "", "a\0b", "\udcff"),
+    *("9" * 5_000, "x" * 10_000),
 ]
 TREE = (
     '{"nodes":[{"id":"root","parent":null,"label":"OOD"},'

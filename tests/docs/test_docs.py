@@ -24,8 +24,21 @@ ARGUMENTS = {"learning_to_stop": ["250"], "made_scenes": ["made", "flat"]}
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _small_studies():
+    """Have fifty ordinary texts where thousands would be encoded, and small pictures in quick studies."""
+    few = Baseline(texts=tuple(ORDINARY.read_text("utf-8").splitlines()))
+    smaller = {"width": 160, "height": 120, "demands": False}
+    quick = StudyConfig.quick
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(StudyConfig, "quick", lambda **changes: quick(**smaller | changes))
+        for user in ("_metrics", "_vectors.space", "_detection.guard"):
+            patch.setattr(f"oodscen.metrics.{user}.ordinary_driving", lambda: few)
+        yield
+
+
 @pytest.fixture(scope="module")
-def study(tmp_path_factory):
+def study(_small_studies, tmp_path_factory):
     """Make the study that pages about reading one expect in `out`."""
     folder = tmp_path_factory.mktemp("docs") / "out"
     run_study(folder, StudyConfig.quick(simulator="flat", encoder="hash"))
@@ -34,10 +47,7 @@ def study(tmp_path_factory):
 
 @pytest.fixture
 def workplace(tmp_path, monkeypatch, study, minilm):
-    """Have `out`, and fifty ordinary texts where `Metrics()` would have thousands encoded."""
-    few = Baseline(texts=tuple(ORDINARY.read_text("utf-8").splitlines()))
-    for user in ("_metrics", "_vectors.space", "_detection.guard"):
-        monkeypatch.setattr(f"oodscen.metrics.{user}.ordinary_driving", lambda: few)
+    """Be in a folder with the study `out`."""
     (tmp_path / "out").symlink_to(study)
     monkeypatch.chdir(tmp_path)
 

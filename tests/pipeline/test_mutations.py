@@ -18,6 +18,5 @@ def test_every_command_takes_the_whole_study(study) -> None:
     assert not attempt("Study", study, study)
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_broken_files_cost_one_line(study, seed) -> None:
-    assert [trial for trial in trials(study, 25, seed, most=1) if trial.fault] == []
+def test_broken_files_cost_one_line(study) -> None:
+    assert [trial for trial in trials(study, 25, 0, most=1) if trial.fault] == []

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from oodscen import Study
+from oodscen import Study, make_llm
 from oodscen._cli import main
 from oodscen._pipeline import estimate, run_study
 from oodscen._pipeline.context import Context
@@ -103,7 +103,7 @@ from oodscen._pipeline import run_study
 
 out, config = sys.argv[1], StudyConfig.model_validate_json(sys.argv[2])
 # What is slow to load is loaded once for all processes.
-run_study(out + ".first", config.model_copy(update={"max_paths": 1, "iterations": 2}))
+run_study(out + ".first", config)
 
 for stage, number in json.loads(sys.argv[3]):
     def progress(at, done, total):
@@ -121,14 +121,14 @@ for stage, number in json.loads(sys.argv[3]):
 """
 
 
-def test_killed_at_five_moments_and_continued_it_ends_the_same(folder, tmp_path):
+def test_killed_at_five_moments_and_continued_it_ends_the_same(small, tmp_path):
     out = tmp_path / "killed"
-    moments = [("redteam", 2), ("prune", 3), ("describe sets", 5), ("augment", 2), ("simulate", 1)]
-    order = [sys.executable, "-c", KILLED, str(out), QUICK.model_dump_json(), json.dumps(moments)]
+    moments = [("redteam", 1), ("prune", 1), ("describe sets", 5), ("augment", 1), ("simulate", 1)]
+    order = [sys.executable, "-c", KILLED, str(out), SMALL.model_dump_json(), json.dumps(moments)]
     process = subprocess.run(order, capture_output=True, text=True)
     assert process.returncode == 0, process.stderr
-    run_study(out, QUICK)
-    assert content(out) == content(folder)
+    run_study(out, SMALL)
+    assert content(out) == content(small)
 
 
 def test_a_torn_line_is_done_again(folder, tmp_path):
@@ -283,21 +283,19 @@ def test_a_band_leaves_only_texts_inside_it(folder, tmp_path, study):
 
 @pytest.fixture(scope="module")
 def author():
-    from oodscen import make_llm
-
     return make_llm("builtin", seed=QUICK.seed)
 
 
-def served(out, server, **changes):
-    config = QUICK.model_copy(update={"llm": "served", **changes})
-    return run_study(out, config, models={"served": server.client(seed=QUICK.seed)})
+def served(out, server, config=QUICK, **changes):
+    config = config.model_copy(update={"llm": "served", **changes})
+    return run_study(out, config, models={"served": server.client(seed=config.seed)})
 
 
-def test_through_litellm_and_http_the_study_is_the_same(folder, tmp_path, author):
-    with AnsweringServer(author) as server:
-        study = served(tmp_path / "served", server, twins=True, catalogues=("carla-0.9.16",))
+def test_through_litellm_and_http_the_study_is_the_same(small, tmp_path):
+    with AnsweringServer(make_llm("builtin", seed=SMALL.seed)) as server:
+        study = served(tmp_path / "served", server, SMALL, twins=True, catalogues=("carla-0.9.16",))
     assert study.info["status"] == "success"
-    assert under("builtin", content(tmp_path / "served"), "served") == content(folder)
+    assert under("builtin", content(tmp_path / "served"), "served") == content(small)
     assert len(server.received) == len(study.table("calls"))
 
 

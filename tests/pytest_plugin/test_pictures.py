@@ -12,7 +12,7 @@ from oodscen.pytest_plugin._driving import picture_stem
 
 pytest_plugins = ["pytester"]
 
-XDIST = ("-p", "xdist.plugin", "-n", "2")
+XDIST = ("-p", "xdist.plugin", "-n", "1")
 TESTS = """
 import pytest
 import stack

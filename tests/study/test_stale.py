@@ -21,7 +21,7 @@ from oodscen.report._load import read
 from oodscen.study._staging import text_digest
 from oodscen.study._stale import refuse_stale, stale_scenes
 from tests.interchange.staging import SCENES
-from tests.pipeline.quick import QUICK
+from tests.pipeline.quick import SMALL
 
 CHANGES = st.lists(st.sampled_from(["", "scene", "demand", "gone", "unknown"]), max_size=6)
 
@@ -122,7 +122,7 @@ def test_a_changed_text_is_noticed_as_a_changed_scene_is(quick, tmp_path, table,
     assert name in read(study).gaps["episodes.jsonl"]
 
 
-def test_a_study_of_another_text_is_refused_until_it_is_run_again(quick, tmp_path):
+def test_a_study_of_another_text_is_refused(quick, tmp_path):
     folder = shutil.copytree(quick, tmp_path / "out")
     edit(folder, "scenarios.jsonl", swap)
     commands = (
@@ -138,7 +138,19 @@ def test_a_study_of_another_text_is_refused_until_it_is_run_again(quick, tmp_pat
         assert "2 scenes, or their texts, have changed since they were run: " in found.output
     told = CliRunner().invoke(main, ["report", str(folder)])
     assert "or their texts, have changed since they were run: " in told.stderr
-    run_study(folder, QUICK)
+
+
+def test_a_study_of_another_text_is_taken_once_it_is_run_again(small, tmp_path):
+    folder = shutil.copytree(small, tmp_path / "out")
+    edit(
+        folder,
+        "scenarios.jsonl",
+        lambda lines: lines[0].update(text=lines[0]["text"] + " It is night."),
+    )
+    study = Study.open(folder)
+    with pytest.raises(UsageError, match="or its text, has changed since it was run"):
+        refuse_stale(study, study.episodes, study.scenes)
+    run_study(folder, SMALL)
     study = Study.open(folder)
     refuse_stale(study, study.episodes, study.scenes)
     told = CliRunner().invoke(main, ["report", str(folder)])

@@ -244,7 +244,9 @@ class _Scores:
         called = np.where(answered, self.sheet.called, 0.0)
         columns = [values * side for side in (is_scene, ~is_scene) for values in (called, answered)]
         counts = resampler.weights @ resampler.summed(np.stack(columns, axis=1))
-        distinct, row_of = np.unique(counts, axis=0, return_inverse=True)
-        values = np.array([d_prime(*row) for row in distinct.tolist()], np.float64)
+        # Rows as bytes are sorted several times faster than along an axis.
+        rows = np.ascontiguousarray(counts).view(np.dtype((np.void, counts[:1].nbytes))).ravel()
+        _, first, row_of = np.unique(rows, return_index=True, return_inverse=True)
+        values = np.array([d_prime(*row) for row in counts[first].tolist()], np.float64)
         value = d_prime(noticed.hits, noticed.n, quiet.n - quiet.hits, quiet.n)
-        return self._estimate(value, noticed.n + quiet.n, values[row_of.ravel()], answered)
+        return self._estimate(value, noticed.n + quiet.n, values[row_of], answered)

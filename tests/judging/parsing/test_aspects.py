@@ -287,7 +287,7 @@ def test_an_ordinary_scene_does_not_go_with_yes(rest: str) -> None:
     ],
 )
 def test_long_answers_are_read_at_once(part: str) -> None:
-    for said in (part * 20_000, f"Yes, {part * 20_000}", f"Aspect: {part * 20_000}"):
+    for said in (part * 5_000, f"Yes, {part * 5_000}", f"Aspect: {part * 5_000}"):
         read_aspect(said)
         read_named_aspect(said)
         names_nothing(said)

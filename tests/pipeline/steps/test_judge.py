@@ -23,18 +23,18 @@ from oodscen.llm._remote.limits import Limits
 from oodscen.report._quiz import draw_drives, write_quiz
 from oodscen.study._stale_verdicts import OPINIONS
 from oodscen.testing import AnsweringServer, ScriptedLLM
-from tests.pipeline.quick import QUICK, asked_about
+from tests.pipeline.quick import QUICK, SMALL, asked_about
 
 
 @pytest.fixture
-def folder(quick):
-    """Return a finished study to copy."""
-    return quick
+def study(quick):
+    return Study.open(quick)
 
 
 @pytest.fixture
-def study(folder):
-    return Study.open(folder)
+def folder(small, tmp_path):
+    """Return a finished study of one scene and its ordinary drive, which a test may change."""
+    return shutil.copytree(small, tmp_path / "out")
 
 
 def of(study, model):
@@ -76,9 +76,9 @@ def test_a_constant_scores_exactly_what_its_action_scored(study, action):
         assert rows[episode.id].outcome == ("unavailable" if unavailable else "answered")
 
 
-def test_scenes_below_the_floor_are_left_out_with_their_twins_and_counted(folder, tmp_path):
+def test_scenes_below_the_floor_are_left_out_with_their_twins_and_counted(quick, tmp_path):
     out = tmp_path / "out"
-    shutil.copytree(folder, out)
+    shutil.copytree(quick, out)
     file = out / "episodes.jsonl"
     rows = [json.loads(line) for line in file.read_text().splitlines()]
     below = next(row for row in rows if row["sighting"])
@@ -93,28 +93,26 @@ def test_scenes_below_the_floor_are_left_out_with_their_twins_and_counted(folder
     assert "not judged, since it is small" in words
 
 
-def test_a_served_model_sees_pictures_and_is_asked_once(folder, tmp_path):
-    out = tmp_path / "out"
-    shutil.copytree(folder, out)
+def test_a_served_model_sees_pictures_and_is_asked_once(folder):
     with AnsweringServer(ConstantAnswerer("stop")) as server:
         model = server.client("gpt-4o")
-        config = QUICK.model_copy(update={"vlms": ("served",)})
-        capped = server.client("gpt-4o", limits=Limits(requests=10))
+        config = SMALL.model_copy(update={"vlms": ("served",)})
+        capped = server.client("gpt-4o", limits=Limits(requests=4))
         with pytest.raises(BudgetExceeded):
-            run_study(out, config, models={"served": capped})
-        assert 0 < len(server.received) <= 10
-        run_study(out, config, models={"served": model})
+            run_study(folder, config, models={"served": capped})
+        assert 0 < len(server.received) <= 4
+        run_study(folder, config, models={"served": model})
         asked = len(server.received)
         pictures = [image for one in server.received for image in one.images]
-        run_study(out, config, models={"served": model})
+        run_study(folder, config, models={"served": model})
         assert len(server.received) == asked
-    study = Study.open(out)
+    study = Study.open(folder)
     rows = of(study, model.name)
     assert len(rows) == len(asked_about(study))
     assert asked == 3 * len(rows)
     for data in pictures[:6]:
         decoded = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
-        assert decoded.shape == (QUICK.height, QUICK.width, 3)
+        assert decoded.shape == (SMALL.height, SMALL.width, 3)
     episodes = {episode.id: episode for episode in study.episodes}
     for name, row in rows.items():
         assert row.action_is_safe is {"safe": True, "marginal": None}.get(
@@ -123,49 +121,47 @@ def test_a_served_model_sees_pictures_and_is_asked_once(folder, tmp_path):
     assert study.info["counts"]["outcomes"][model.name] == {"answered": len(rows)}
 
 
-def test_the_paper_s_protocol_stands_beside_ours(folder, tmp_path):
-    out = tmp_path / "out"
-    shutil.copytree(folder, out)
-    config = QUICK.model_copy(update={"protocols": ("ours", "paper")})
-    study = run_study(out, config)
+def test_the_paper_s_protocol_stands_beside_ours(folder):
+    config = SMALL.model_copy(update={"protocols": ("ours", "paper")})
+    study = run_study(folder, config)
     paper = [row for row in study.verdicts if row.protocol == "paper"]
     assert {row.scene_id for row in paper} == {scene.id for scene in study.scenes}
     assert not any(row.is_ordinary for row in paper)
     assert all(row.action_is_safe is row.success for row in paper)
-    assert (out / "frames" / study.scenes[0].id / "whole-last.jpg").is_file()
-    whole = [json.loads(line) for line in (out / "episodes.paper.jsonl").read_text().splitlines()]
+    assert (folder / "frames" / study.scenes[0].id / "whole-last.jpg").is_file()
+    whole = [
+        json.loads(line) for line in (folder / "episodes.paper.jsonl").read_text().splitlines()
+    ]
     seen = sum(one["hazard_visible"] is True for one in whole)
-    board = Leaderboard.parse((out / "leaderboard.json").read_bytes())
+    board = Leaderboard.parse((folder / "leaderboard.json").read_bytes())
     assert (board.whole, board.whole_shown) == (len(study.scenes), seen)
     oracle = next(r for r in board.standings if (r.model, r.protocol) == ("oracle", "paper"))
     assert oracle.identification.open_shown.n == seen
     assert (
         f"in {seen} of {len(whole)} scenes the hazard can be seen"
-        in (out / "report.html").read_text()
+        in (folder / "report.html").read_text()
     )
 
 
-def test_items_that_cannot_be_shown_and_old_prompts_are_counted(folder, tmp_path, monkeypatch):
-    out = tmp_path / "out"
-    shutil.copytree(folder, out)
+def test_items_that_cannot_be_shown_and_old_prompts_are_counted(folder, monkeypatch):
     model = ConstantAnswerer("stop")
     model.name, model.kind = "mine", "model"
-    config = QUICK.model_copy(update={"vlms": ("mine",)})
-    cut = Study.open(out).scenes[0].id
+    config = SMALL.model_copy(update={"vlms": ("mine",)})
+    cut = Study.open(folder).scenes[0].id
     episodes = [
-        episode.model_copy(update={"file_sha256": {}}) for episode in Study.open(out).episodes
+        episode.model_copy(update={"file_sha256": {}}) for episode in Study.open(folder).episodes
     ]
-    Study(out).store.write_lines("episodes.jsonl", episodes)
-    for picture in (out / "frames" / cut).iterdir():
+    Study(folder).store.write_lines("episodes.jsonl", episodes)
+    for picture in (folder / "frames" / cut).iterdir():
         picture.write_bytes(picture.read_bytes()[: picture.stat().st_size // 2])
-    study = run_study(out, config, models={"mine": model})
+    study = run_study(folder, config, models={"mine": model})
     rows = of(study, "mine")
     assert rows[cut].outcome == "error"
     assert rows[cut].error_type == "DataError"
-    lines = (out / "verdicts.jsonl").read_text().splitlines()
+    lines = (folder / "verdicts.jsonl").read_text().splitlines()
     changed = [line.replace(_version(rows), "0" * 12) for line in lines]
-    (out / "verdicts.jsonl").write_text("\n".join(changed) + "\n")
-    counts = run_study(out, config, models={"mine": model}).info["counts"]["outcomes"]["mine"]
+    (folder / "verdicts.jsonl").write_text("\n".join(changed) + "\n")
+    counts = run_study(folder, config, models={"mine": model}).info["counts"]["outcomes"]["mine"]
     assert counts["outdated"] == counts["answered"] == len(rows) - 1
 
 
@@ -205,9 +201,9 @@ def test_answerers_of_different_names_and_the_references_may_be_judged(tmp_path)
 
 
 @pytest.fixture
-def asked(folder, tmp_path):
+def asked(quick, tmp_path):
     """A copy of the study, its scenes' names, and a model that notes the pictures it is shown."""
-    out = shutil.copytree(folder, tmp_path / "out")
+    out = shutil.copytree(quick, tmp_path / "out")
     scenes = [scene.id for scene in Study.open(out).scenes]
     (tmp_path / "priv").mkdir()
     shutil.copy(out / "frames" / scenes[0] / "last.jpg", tmp_path / "priv" / "last.jpg")
@@ -258,9 +254,9 @@ HOSTILE = (
 )
 
 
-def test_frames_that_are_cut_off_cost_their_item_only_and_missing_ones_come_back(folder, tmp_path):
+def test_frames_that_are_cut_off_cost_their_item_only_and_missing_ones_come_back(quick, tmp_path):
     out = tmp_path / "out"
-    shutil.copytree(folder, out)
+    shutil.copytree(quick, out)
     lines = [json.loads(line) for line in (out / "episodes.jsonl").read_text().splitlines()]
     items = [episode.id for episode in asked_about(Study.open(out))]
     cut, fewer, empty, none = items
@@ -291,9 +287,7 @@ def test_frames_that_are_cut_off_cost_their_item_only_and_missing_ones_come_back
 
 
 @pytest.mark.parametrize("form", ["json", "prose", "raised"])
-def test_whatever_a_model_says_the_study_ends_and_its_page_holds_text_only(folder, tmp_path, form):
-    out = tmp_path / "out"
-    shutil.copytree(folder, out)
+def test_whatever_a_model_says_the_study_ends_and_its_page_holds_text_only(folder, form):
     valid = {
         "describe-frame": {"description": HOSTILE},
         "name-aspect": {"reasoning": HOSTILE, "is_ood": True, "aspect": HOSTILE, "confidence": 1},
@@ -317,12 +311,12 @@ def test_whatever_a_model_says_the_study_ends_and_its_page_holds_text_only(folde
 
     model = ScriptedLLM(answer)
     model.name = f"gpt/{HOSTILE[:60]}"
-    config = QUICK.model_copy(update={"vlms": (model.name,)})
-    study = run_study(out, config, models={model.name: model})
+    config = SMALL.model_copy(update={"vlms": (model.name,)})
+    study = run_study(folder, config, models={model.name: model})
     rows = of(study, model.name)
     assert len(rows) == len(asked_about(study))
     assert {row.outcome for row in rows.values()} == {"error" if form == "raised" else "answered"}
-    document = html.document_fromstring((out / "report.html").read_text(encoding="utf-8"))
+    document = html.document_fromstring((folder / "report.html").read_text(encoding="utf-8"))
     top = document.get_element_by_id("top").text_content()
     assert ("gave no answer that can be scored" in top) is (form == "raised")
     assert len(document.xpath("//script")) == 2
@@ -336,10 +330,8 @@ def _payload(document):
     return json.loads(document.get_element_by_id("data").text)
 
 
-def test_a_judge_named_later_scores_every_open_aspect_alike_and_is_asked_once(folder, tmp_path):
-    out = tmp_path / "out"
-    shutil.copytree(folder, out)
-    before = Study.open(out).verdicts
+def test_a_judge_named_later_scores_every_open_aspect_alike_and_is_asked_once(folder):
+    before = Study.open(folder).verdicts
     said = {
         "describe-frame": {"description": "a road"},
         "name-aspect": {"is_ood": True, "aspect": "something odd"},
@@ -358,17 +350,17 @@ def test_a_judge_named_later_scores_every_open_aspect_alike_and_is_asked_once(fo
         return {"is_same_thing": is_odd, "is_same_fault": is_odd}
 
     judge = ScriptedLLM(says, name="judge")
-    config = QUICK.model_copy(update={"judge": "judge", "vlms": ("seen",)})
+    config = SMALL.model_copy(update={"judge": "judge", "vlms": ("seen",)})
     models = {"seen": seen, "judge": judge}
-    first = run_study(out, config, models=models)
+    first = run_study(folder, config, models=models)
     asked = len(seen.requests)
-    board = Leaderboard.parse((out / "leaderboard.json").read_bytes())
+    board = Leaderboard.parse((folder / "leaderboard.json").read_bytes())
     unjudged = sum(row.identification.unjudged for row in board.standings)
     assert unjudged == sum(bool(verdict.judge_error) for verdict in first.verdicts) > 0
     assert first.info["counts"]["judged"]["matched"] == unjudged
 
     broken = False
-    study = run_study(out, config, models=models, retry=True)
+    study = run_study(folder, config, models=models, retry=True)
     counted = Counter(question for question in questions if question[0] != "something odd")
     assert set(counted.values()) == {1}
     assert len(seen.requests) == asked
@@ -380,14 +372,14 @@ def test_a_judge_named_later_scores_every_open_aspect_alike_and_is_asked_once(fo
             assert verdict.aspect_is_right
     counted = Counter(line["status"] for line in study.store.lines(OPINIONS))
     assert set(counted) == {"ok"}
-    assert "judge@" in (out / "report.html").read_text()
+    assert "judge@" in (folder / "report.html").read_text()
 
 
 # ------------------------------------------------------------------ models that fail
 
 
 def judging(*names):
-    return QUICK.model_copy(update={"vlms": names})
+    return SMALL.model_copy(update={"vlms": names})
 
 
 def by_picture(wrong, fault):
@@ -407,9 +399,8 @@ def tally(study, model):
 @pytest.mark.parametrize(
     ("fault", "outcome"), [("http500", "error"), ("slow", "timeout"), ("filtered", "refused")]
 )
-def test_items_that_always_fail_cost_themselves_run_after_run(folder, tmp_path, fault, outcome):
-    out = shutil.copytree(folder, tmp_path / "out")
-    items = len(asked_about(Study.open(out)))
+def test_items_that_always_fail_cost_themselves_run_after_run(folder, fault, outcome):
+    items = len(asked_about(Study.open(folder)))
     wanted = {"answered": items // 2, outcome: items // 2}
     model = ConstantAnswerer("stop")
     with AnsweringServer(model, faults=by_picture("~", fault)) as server:
@@ -417,7 +408,7 @@ def test_items_that_always_fail_cost_themselves_run_after_run(folder, tmp_path, 
             limits = Limits(strikes=1)
             seconds = 1.0 if fault == "slow" else 60.0
             client = server.client("m", limits=limits, timeout_s=seconds, retries=0)
-            study = run_study(out, judging("m"), models={"m": client}, limits=limits)
+            study = run_study(folder, judging("m"), models={"m": client}, limits=limits)
             assert tally(study, "m") == wanted
             assert study.info["status"] == "incomplete"
     healthy = of(study, "m")
@@ -427,15 +418,16 @@ def test_items_that_always_fail_cost_themselves_run_after_run(folder, tmp_path, 
     )
 
 
-def test_a_dead_model_costs_its_own_items_until_it_lives(folder, tmp_path):
-    out = shutil.copytree(folder, tmp_path / "out")
+def test_a_dead_model_costs_its_own_items_until_it_lives(quick, tmp_path):
+    out = shutil.copytree(quick, tmp_path / "out")
+    config = QUICK.model_copy(update={"vlms": ("dead", "live")})
     limits = Limits(strikes=1, concurrency=1)
     with AnsweringServer(ConstantAnswerer("stop")) as server:
         dead = server.client("dead", limits=limits, retries=0)
     with AnsweringServer(ConstantAnswerer("stop")) as server:
         live = server.client("live", limits=limits)
         models = {"dead": dead, "live": live}
-        study = run_study(out, judging("dead", "live"), models=models, limits=limits)
+        study = run_study(out, config, models=models, limits=limits)
         items = len(asked_about(study))
         assert tally(study, "live") == {"answered": items}
         found = tally(study, "dead")
@@ -445,13 +437,12 @@ def test_a_dead_model_costs_its_own_items_until_it_lives(folder, tmp_path):
         shown = (out / "report.html").read_text("utf-8")
         assert f"{found['unasked']} not asked" in shown
         models["dead"] = server.client("dead")
-        study = run_study(out, judging("dead", "live"), models=models)
+        study = run_study(out, config, models=models)
     assert tally(study, "dead") == {"answered": items}
     assert study.info["status"] == "success"
 
 
-def test_what_was_never_asked_comes_before_what_failed(folder, tmp_path):
-    out = shutil.copytree(folder, tmp_path / "out")
+def test_what_was_never_asked_comes_before_what_failed(folder):
     order = []
 
     def mute(request):
@@ -464,27 +455,26 @@ def test_what_was_never_asked_comes_before_what_failed(folder, tmp_path):
 
     old, new = ScriptedLLM(mute), ScriptedLLM(answer)
     old.name, new.name = "old", "new"
-    run_study(out, judging("old"), models={"old": old})
+    run_study(folder, judging("old"), models={"old": old})
     order.clear()
-    run_study(out, judging("old", "new"), models={"old": old, "new": new})
+    run_study(folder, judging("old", "new"), models={"old": old, "new": new})
     assert sorted(order) == order
     assert set(order) == {"new", "old"}
 
 
-def test_a_model_given_up_while_asked_again_keeps_what_is_known_of_its_items(folder, tmp_path):
-    out = shutil.copytree(folder, tmp_path / "out")
+def test_a_model_given_up_while_asked_again_keeps_what_is_known_of_its_items(folder):
 
     def faults(index, request):
         return "http500"
 
     with AnsweringServer(ConstantAnswerer("stop"), faults=faults) as server:
         client = server.client("m", limits=Limits(patience_s=None), retries=0)
-        first = run_study(out, judging("m"), models={"m": client})
+        first = run_study(folder, judging("m"), models={"m": client})
     before = tally(first, "m")
     assert set(before) == {"error"}
     limits = Limits(strikes=1)
     dead = server_gone(limits)
-    second = run_study(out, judging("m"), models={"m": dead}, limits=limits)
+    second = run_study(folder, judging("m"), models={"m": dead}, limits=limits)
     assert tally(second, "m") == before
 
 
@@ -493,15 +483,14 @@ def server_gone(limits):
         return server.client("m", limits=limits, retries=0)
 
 
-def test_an_interruption_keeps_lines_counts_and_the_way_on(folder, tmp_path):
-    out = shutil.copytree(folder, tmp_path / "out")
+def test_an_interruption_keeps_lines_counts_and_the_way_on(folder):
     failing, asked = ScriptedLLM(lambda request: 1 / 0), []
     failing.name = "m"
-    run_study(out, judging("m"), models={"m": failing})
-    before = (out / "verdicts.jsonl").read_bytes()
+    run_study(folder, judging("m"), models={"m": failing})
+    before = (folder / "verdicts.jsonl").read_bytes()
     lines = before.decode().splitlines()
     lines = [json.dumps({**json.loads(row), "retryable": "@m" in row}) + "\n" for row in lines]
-    (out / "verdicts.jsonl").write_text("".join(lines))
+    (folder / "verdicts.jsonl").write_text("".join(lines))
 
     def interrupt(request):
         asked.append(request)
@@ -509,10 +498,10 @@ def test_an_interruption_keeps_lines_counts_and_the_way_on(folder, tmp_path):
 
     model = ScriptedLLM(interrupt)
     model.name = "m"
-    counts = Study.open(out).info["counts"]
+    counts = Study.open(folder).info["counts"]
     with pytest.raises(KeyboardInterrupt):
-        run_study(out, judging("m"), models={"m": model})
-    study = Study.open(out)
+        run_study(folder, judging("m"), models={"m": model})
+    study = Study.open(folder)
     assert study.info["status"] == "stopped"
     assert study.info["counts"] == counts
     assert len(study.verdicts) == len(lines)
@@ -520,12 +509,11 @@ def test_an_interruption_keeps_lines_counts_and_the_way_on(folder, tmp_path):
     assert "the same command continues it" in study.info["stopped"]
     answering = ConstantAnswerer("stop")
     answering.name, answering.kind = "m", "model"
-    study = run_study(out, judging("m"), models={"m": answering})
+    study = run_study(folder, judging("m"), models={"m": answering})
     assert tally(study, "m") == {"answered": len(asked_about(study))}
 
 
-def test_a_model_that_fails_when_asked_again_keeps_the_answers_that_it_gave(folder, tmp_path):
-    out = shutil.copytree(folder, tmp_path / "out")
+def test_a_model_that_fails_when_asked_again_keeps_the_answers_that_it_gave(folder):
     said = {"is_ood": True, "confidence": 0.7, "aspect": "a box", "choice": 1, "action": "fly"}
 
     def answer(request):
@@ -534,11 +522,11 @@ def test_a_model_that_fails_when_asked_again_keeps_the_answers_that_it_gave(fold
     def fail(request):
         raise LLMError("boom")
 
-    study = run_study(out, judging("m"), models={"m": scripted("m", answer)})
+    study = run_study(folder, judging("m"), models={"m": scripted("m", answer)})
     before = of(study, "m")
     assert {row.outcome for row in before.values()} == {"unparsed"}
     assert all(row.choice is not None for row in before.values())
-    study = run_study(out, judging("m"), models={"m": scripted("m", fail)}, retry=True)
+    study = run_study(folder, judging("m"), models={"m": scripted("m", fail)}, retry=True)
     assert of(study, "m") == before
 
 
@@ -548,39 +536,37 @@ def scripted(name, answer):
     return model
 
 
-def test_how_models_are_asked_stays_once_one_has_answered(folder, tmp_path):
-    out = shutil.copytree(folder, tmp_path / "out")
+def test_how_models_are_asked_stays_once_one_has_answered(folder):
     models = {"m": ConstantAnswerer("stop"), "n": ConstantAnswerer("stop")}
     for name, model in models.items():
         model.name, model.kind = name, "model"
     set_to = {"rear_view": True, "chain": True, "ordinary": 2}
     config = judging("m").model_copy(update=set_to)
-    run_study(out, config, models=models)
-    files = {name: (out / name).read_bytes() for name in ("study.json", "verdicts.jsonl")}
+    run_study(folder, config, models=models)
+    files = {name: (folder / name).read_bytes() for name in ("study.json", "verdicts.jsonl")}
     for name, value in {"rear_view": False, "chain": False, "ordinary": 1}.items():
         other = judging("m", "n").model_copy(update={**set_to, name: value})
         with pytest.raises(UsageError, match=f"judged with --{name.replace('_', '-')}"):
-            run_study(out, other, models=models)
-        assert files == {name: (out / name).read_bytes() for name in files}
-    run_study(out, judging("n"), models=models)
+            run_study(folder, other, models=models)
+        assert files == {name: (folder / name).read_bytes() for name in files}
+    run_study(folder, judging("n"), models=models)
     more = judging("n", "m").model_copy(update={"ordinary": 2})
-    study = run_study(out, more, models=models)
+    study = run_study(folder, more, models=models)
     assert len(of(study, "n")) == len(of(study, "m")) == len(asked_about(study))
 
 
-def test_the_view_to_the_rear_is_shown_where_it_is_asked_for(folder, tmp_path):
-    out = shutil.copytree(folder, tmp_path / "out")
+def test_the_view_to_the_rear_is_shown_where_it_is_asked_for(folder):
     shown = []
     for is_rear in (False, True, True):
         if len(shown) == 1:
-            drop_models(Study.open(out), ["m"])
+            drop_models(Study.open(folder), ["m"])
         asked = []
         model = ScriptedLLM(
             lambda request, asked=asked: asked.append(request) or {"action": "stop"}
         )
         model.name = "m"
         config = judging("m").model_copy(update={"rear_view": is_rear})
-        study = run_study(out, config, models={"m": model})
+        study = run_study(folder, config, models={"m": model})
         pictures = [
             image for request in asked for turn in request.messages for image in turn.images
         ]
@@ -591,11 +577,11 @@ def test_the_view_to_the_rear_is_shown_where_it_is_asked_for(folder, tmp_path):
         set(),
     ]
     assert not asked
-    assert all((out / name).stat().st_size for name in shown[1])
+    assert all((folder / name).stat().st_size for name in shown[1])
 
 
-def test_a_quiz_takes_the_views_to_the_rear_that_a_study_lacks(folder, tmp_path):
-    study = Study.open(shutil.copytree(folder, tmp_path / "out"))
+def test_a_quiz_takes_the_views_to_the_rear_that_a_study_lacks(quick, tmp_path):
+    study = Study.open(shutil.copytree(quick, tmp_path / "out"))
     taken = [rear_views(study, study.episodes[:count], RunOptions()) for count in (1, 3, 1)]
     assert [len(one) for one in taken] == [1, 3, 3]
     page = write_quiz(study, rears=taken[1]).read_text()
@@ -604,21 +590,18 @@ def test_a_quiz_takes_the_views_to_the_rear_that_a_study_lacks(folder, tmp_path)
     assert ["rear" in item for item in items] == [name in taken[1] for name in drives]
 
 
-def test_a_dead_judge_leaves_the_aspects_to_the_matcher(folder, tmp_path):
-    out = shutil.copytree(folder, tmp_path / "out")
+def test_a_dead_judge_leaves_the_aspects_to_the_matcher(folder):
     model = ConstantAnswerer("stop")
     model.name, model.kind = "mine", "model"
     limits = Limits(strikes=1)
     config = judging("mine").model_copy(update={"judge": "m"})
     models = {"mine": model, "m": server_gone(limits)}
-    study = run_study(out, config, models=models, limits=limits)
+    study = run_study(folder, config, models=models, limits=limits)
     assert tally(study, "mine") == {"answered": len(asked_about(study))}
     assert study.info["status"] != "stopped"
 
 
-def test_a_model_is_asked_the_same_questions_without_the_pictures(folder, tmp_path):
-    out = tmp_path / "out"
-    shutil.copytree(folder, out)
+def test_a_model_is_asked_the_same_questions_without_the_pictures(folder):
     asked = []
 
     def answer(request):
@@ -626,8 +609,8 @@ def test_a_model_is_asked_the_same_questions_without_the_pictures(folder, tmp_pa
         return ConstantAnswerer("stop" if request.prompt.frames else "keep_speed").complete(request)
 
     model = ScriptedLLM(answer, name="m")
-    config = QUICK.model_copy(update={"vlms": ("m",), "withheld": ("m",)})
-    study = run_study(out, config, models={"m": model})
+    config = SMALL.model_copy(update={"vlms": ("m",), "withheld": ("m",)})
+    study = run_study(folder, config, models={"m": model})
     items = {one.id for one in asked_about(study)}
     seeing, blind = of(study, "m"), of(study, "m without pictures")
     assert set(seeing) == set(blind) == items
@@ -647,7 +630,7 @@ def test_a_model_is_asked_the_same_questions_without_the_pictures(folder, tmp_pa
             assert "No picture" in said
             assert question in shown
 
-    board = Leaderboard.load(out / "leaderboard.json")
+    board = Leaderboard.load(folder / "leaderboard.json")
     gains = board.standing("m").paired.over_withheld
     assert {gain.against for gain in gains} == {"m without pictures"}
     assert not any(
@@ -656,24 +639,22 @@ def test_a_model_is_asked_the_same_questions_without_the_pictures(folder, tmp_pa
     )
     assert [requirement.name for requirement in study.requirements("safe>=0.1")] == ["m"]
     before = len(asked)
-    assert run_study(out, config, models={"m": model}).verdicts == study.verdicts
+    assert run_study(folder, config, models={"m": model}).verdicts == study.verdicts
     assert len(asked) == before
     drop_models(study, ["m without pictures"])
-    assert Study.open(out).config.withheld == ()
-    assert not of(Study.open(out), "m without pictures")
-    assert set(of(Study.open(out), "m")) == items
+    assert Study.open(folder).config.withheld == ()
+    assert not of(Study.open(folder), "m without pictures")
+    assert set(of(Study.open(folder), "m")) == items
 
 
-def test_calls_that_failed_by_a_fault_of_the_class_are_made_again_on_request(folder, tmp_path):
-    out = tmp_path / "out"
-    shutil.copytree(folder, out)
-    config = QUICK.model_copy(update={"vlms": ("m",)})
+def test_calls_that_failed_by_a_fault_of_the_class_are_made_again_on_request(folder):
+    config = SMALL.model_copy(update={"vlms": ("m",)})
     faulty = ScriptedLLM(lambda request: 1 / 0, name="m")
     mended = ScriptedLLM(lambda request: ConstantAnswerer("stop").complete(request), name="m")
     assert {
-        row.outcome for row in of(run_study(out, config, models={"m": faulty}), "m").values()
+        row.outcome for row in of(run_study(folder, config, models={"m": faulty}), "m").values()
     } == {"error"}
-    again = run_study(out, config, models={"m": mended}, retry=True)
+    again = run_study(folder, config, models={"m": mended}, retry=True)
     assert {row.outcome for row in of(again, "m").values()} <= {"answered", "unavailable"}
     assert again.info["failures"]["verdicts"] == 0
 
