@@ -123,7 +123,7 @@ for stage, number in json.loads(sys.argv[3]):
 
 def test_killed_at_five_moments_and_continued_it_ends_the_same(small, tmp_path):
     out = tmp_path / "killed"
-    moments = [("redteam", 1), ("prune", 1), ("describe sets", 5), ("augment", 1), ("simulate", 1)]
+    moments = [("redteam", 1), ("prune", 3), ("describe sets", 5), ("augment", 1), ("simulate", 1)]
     order = [sys.executable, "-c", KILLED, str(out), SMALL.model_dump_json(), json.dumps(moments)]
     process = subprocess.run(order, capture_output=True, text=True)
     assert process.returncode == 0, process.stderr

@@ -1,6 +1,6 @@
 """The pruner, which reduces the diverse tree to what one simulator can show (paper, section III-B)."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence, Set
 from typing import Any
 
 from oodscen._arguments import checked, instance_of
@@ -95,17 +95,19 @@ class Pruner(Brief):
 
         Args:
             tree: The diverse tree.
-            done: Ids of leaves that were already judged.
+            done: Ids of leaves that were already judged. They get no decision; where one of their group does, the
+                question names them as well.
         """
         skip = set(done)
-        leaves = [leaf for leaf in tree.leaves if leaf.id not in skip]
-        paths = tree.paths
+        branches = [(leaf, tree.paths[leaf.id]) for leaf in tree.leaves]
+        # Groups hold what is done as well, so that they are the same groups, and questions, as ever.
         groups = [
-            leaves[start : start + self.together] for start in range(0, len(leaves), self.together)
+            branches[start : start + self.together]
+            for start in range(0, len(branches), self.together)
         ]
         for _, decisions in as_finished(
-            lambda group: self._judge_all(group, [paths[leaf.id] for leaf in group]),
-            groups,
+            lambda group: self._judge_all(group, skip),
+            [group for group in groups if any(leaf.id not in skip for leaf, _ in group)],
             threads=self.threads,
             cancel=self.cancel,
         ):
@@ -117,25 +119,25 @@ class Pruner(Brief):
     compare = staticmethod(compare)
 
     def _judge_all(
-        self, leaves: Sequence[Node], paths: Sequence[tuple[str, ...]]
+        self, branches: Sequence[tuple[Node, tuple[str, ...]]], skip: Set[str]
     ) -> list[PruneDecision]:
         """Judge leaves in one call, or one by one if the model does not manage several."""
-        branches = list(zip(leaves, paths, strict=True))
+        wanted = [(leaf, path) for leaf, path in branches if leaf.id not in skip]
         if len(branches) == 1:
-            return [self._judge(leaf, path) for leaf, path in branches]
-        question = JudgeBranches(
-            paths=tuple(paths), catalogue=self.catalogue, exact=not self.substitutes
-        )
+            return [self._judge(leaf, path) for leaf, path in wanted]
+        paths = tuple(path for _, path in branches)
+        question = JudgeBranches(paths=paths, catalogue=self.catalogue, exact=not self.substitutes)
         try:
             judgements = ask(self.llm, question).judgements
         except LLMError as error:
             if error.retryable:
-                return [self._failed(leaf, path, error, question) for leaf, path in branches]
-            return [self._judge(leaf, path) for leaf, path in branches]
+                return [self._failed(leaf, path, error, question) for leaf, path in wanted]
+            return [self._judge(leaf, path) for leaf, path in wanted]
         by_number = {judgement.number: judgement for judgement in judgements}
         return [
             self._decision(leaf, path, by_number[number], question)
             for number, (leaf, path) in enumerate(branches, start=1)
+            if leaf.id not in skip
         ]
 
     def _judge(self, leaf: Node, path: tuple[str, ...]) -> PruneDecision:

@@ -306,9 +306,13 @@ def test_instructions_in_a_label_stay_inside_their_fence():
     st.lists(st.integers(0, 50), min_size=1, max_size=14),
     st.integers(1, 9),
     st.sampled_from(["each", "none", "half"]),
+    st.integers(0, 2**14),
 )
-def test_leaves_judged_together_are_decided_as_alone(parents, together, answered):
-    """One call per group; where it gives no valid answer about all of them, each is asked about alone."""
+def test_leaves_judged_together_are_decided_as_alone(parents, together, answered, bits):
+    """One call per group; where it gives no valid answer about all of them, each is asked about alone.
+
+    Decisions that are left to make are those of the same questions.
+    """
     tree = grown(parents)
     asked = []
 
@@ -344,6 +348,9 @@ def test_leaves_judged_together_are_decided_as_alone(parents, together, answered
         assert len(asked) == groups
     elif together > 1 and len(found) > 1:
         assert asked.count("judge-branch") == len(found)
+    done = {one.id for index, one in enumerate(found) if bits >> index & 1}
+    rest = Pruner(model, catalogue, together=together).decisions(tree, done)
+    assert list(rest) == [one for one in found if one.id not in done]
 
 
 def test_a_server_that_is_away_fails_the_group_until_later():
