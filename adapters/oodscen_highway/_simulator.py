@@ -26,7 +26,7 @@ class HighwaySimulator(RestorableSimulator):
         """Start nothing yet."""
         super().__init__()
         self._road: Any = None
-        self._rows: list[Any] = []
+        self._bodies: list[Any] = []
 
     def catalogue(self) -> Catalogue:
         """Return the available assets, behaviours, maps and weather."""
@@ -43,17 +43,17 @@ class HighwaySimulator(RestorableSimulator):
         except ModuleNotFoundError:
             raise MissingExtra("the highway-env simulator", "highway", "highway_env") from None
         self._road = _traffic.road_of(staged, seed)
-        self._rows = [
+        self._bodies = [
             _traffic.add_body(self._road, staged, body, self.dt) for body in staged.bodies
         ]
 
     def triggered(self, body: StagedScene.Body) -> None:
         """Start the time since an actor's trigger."""
-        self._rows[self.staged.ids.index(body.id)].since_s = 0.0
+        self._bodies[self.staged.ids.index(body.id)].since_s = 0.0
 
     def move(self, control: Control) -> None:
         """Let all drivers decide, then move all bodies."""
-        ego = self._rows[0]
+        ego = self._bodies[0]
         control = self.staged.within_grip(control, ego.speed)
         # The axles of a body of highway-env are its length apart.
         turn = math.tan(control.steering) * ego.LENGTH / self.wheelbase
@@ -64,17 +64,17 @@ class HighwaySimulator(RestorableSimulator):
 
     def bodies(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return x, y and yaw of all bodies, and their speeds."""
-        poses = [(*row.position, math.remainder(row.heading, math.tau)) for row in self._rows]
-        return np.array(poses), np.array([row.speed for row in self._rows])
+        poses = [(*body.position, math.remainder(body.heading, math.tau)) for body in self._bodies]
+        return np.array(poses), np.array([body.speed for body in self._bodies])
 
     def save(self) -> Any:
         """Return a copy of all that changes."""
-        return [_copied(row.__dict__) for row in self._rows]
+        return [_copied(body.__dict__) for body in self._bodies]
 
     def resume(self, saved: Any) -> None:
         """Return to a copy."""
-        for row, values in zip(self._rows, saved, strict=True):
-            row.__dict__ = _copied(values)
+        for body, values in zip(self._bodies, saved, strict=True):
+            body.__dict__ = _copied(values)
 
     def draw(self, camera: Camera) -> Frame:
         """Draw boxes on a plane."""
@@ -82,7 +82,7 @@ class HighwaySimulator(RestorableSimulator):
 
     def release(self) -> None:
         """Forget the road."""
-        self._road, self._rows = None, []
+        self._road, self._bodies = None, []
 
 
 def _copied(values: dict[str, Any]) -> dict[str, Any]:

@@ -114,8 +114,10 @@ class HighwayActor(IDMVehicle):  # type: ignore[misc]
         self.LENGTH, self.grip = body.asset.length, grip
         self.TIME_WANTED = self.parameters.get("headway", _HEADWAY_S)
         self.DISTANCE_WANTED = 2.0 + self.LENGTH
-        braking = self.parameters["deceleration"] if self.behaviour == "follow_lane" else grip
-        self.ACC_MAX = min(braking, grip)
+        self.ACC_MAX = grip
+        gentle = self.parameters["deceleration"] if self.behaviour == "follow_lane" else grip
+        self.braking = min(gentle, grip)
+        """Largest deceleration, m/s^2."""
         self.pause_begins: float | None = None
         """Time at which a driver that halts begins to stand, s after its trigger; `None` before."""
 
@@ -136,7 +138,7 @@ class HighwayActor(IDMVehicle):  # type: ignore[misc]
         if not self.is_driving:
             self.action["steering"] = 0.0
         chosen = self._acceleration(self.action["acceleration"])
-        chosen = min(max(chosen, -self.grip), self.grip)
+        chosen = min(max(chosen, -self.braking), self.grip)
         if self.target_speed >= 0.0:
             chosen = max(chosen, -self.speed / self.dt)
         self.action["acceleration"] = chosen
@@ -211,18 +213,18 @@ def road_of(staged: StagedScene, seed: int) -> Road:
 def add_body(road: Road, staged: StagedScene, body: StagedScene.Body, dt: float) -> Any:
     """Put a body of the scene on the road, and return it in highway-env's terms."""
     position, heading = body.pose[:2], body.pose[3]
-    row: Any
+    placed: Any
     if body.behaviour == "stand":
         kind = Landmark if body.asset.is_passable(body.state) else Obstacle
-        row = kind(road, position, heading)
-        road.objects.append(row)
+        placed = kind(road, position, heading)
+        road.objects.append(placed)
     else:
         if body.behaviour:
-            row = HighwayActor(road, body, _GRIP_MPS2 * staged.scene.weather.friction)
+            placed = HighwayActor(road, body, _GRIP_MPS2 * staged.scene.weather.friction)
         else:
-            row = Vehicle(road, position, heading, body.speed)
-        road.vehicles.append(row)
-    row.LENGTH, row.WIDTH, row.dt = body.asset.length, body.asset.width, dt
-    row.MAX_SPEED = math.inf
-    row.collidable = False  # highway-env stops bodies that touch; here they move on.
-    return row
+            placed = Vehicle(road, position, heading, body.speed)
+        road.vehicles.append(placed)
+    placed.LENGTH, placed.WIDTH, placed.dt = body.asset.length, body.asset.width, dt
+    placed.MAX_SPEED = math.inf
+    placed.collidable = False  # highway-env stops bodies that touch; here they move on.
+    return placed

@@ -32,6 +32,8 @@ LayoutName = Literal["drivelm", "nuscenes", "talk2car", "bdd-x", "cityflow-nl"]
 _NOT_COMMERCIAL = "CC-BY-NC-SA-4.0"
 _BDD_X = ("Input.Video", "Answer.1action")
 _BDD_X_TEXT = re.compile(r"(Answer\.\d+)(?:action|justification)")
+_UUID = re.compile(r"[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}")
+"""Matches the key of a track or query of CityFlow-NL."""
 _JOINING = re.compile(
     r"(?:after|and|as|at|because|before|but|by|due|for|from|if|in|on|since|so|to|unless|until|when|where|"
     r"which|while|with)\b"
@@ -119,12 +121,12 @@ def _recognise_json(document: Any) -> LayoutName | None:
         return None
     if {"commands", "scene_tokens"} <= document.keys():
         return "talk2car"
-    first = next(iter(document.values()))
+    first_key, first = next(iter(document.items()))
     if isinstance(first, dict) and "key_frames" in first:
         return "drivelm"
-    if isinstance(first, dict) and "nl" in first:
-        return "cityflow-nl"
-    return None
+    has_queries = isinstance(first, list) and _UUID.fullmatch(first_key)
+    has_tracks = any(isinstance(track, dict) and "nl" in track for track in document.values())
+    return "cityflow-nl" if has_queries or has_tracks else None
 
 
 def _nuscenes(document: Any) -> TextsAndIssues:

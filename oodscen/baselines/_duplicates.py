@@ -27,17 +27,20 @@ _ROUNDING = 1e-6
 
 
 class Duplicate(Data):
-    """An item that resembles an earlier one."""
+    """An item that resembles an earlier one that is kept."""
 
     index: int
     """Index of the item."""
     of: int
-    """Index of the earlier item that it resembles most; the first of several equal ones."""
+    """Index of the kept item that it resembles most; the first of several equal ones."""
     similarity: float
 
 
 class NearDuplicates(Data):
-    """The items of a baseline that nearly repeat an earlier one."""
+    """The items of a baseline that nearly repeat an earlier one, taken in order: the others are kept.
+
+    An item that only resembles items which are not kept is no repetition, so that chains do not collapse.
+    """
 
     found: tuple[Duplicate, ...]
     """In the order of the baseline."""
@@ -48,7 +51,7 @@ class NearDuplicates(Data):
 
     @property
     def kept(self) -> tuple[int, ...]:
-        """The indices of items that resemble no earlier one: the baseline without near-duplicates."""
+        """The indices of the other items: the baseline without near-duplicates."""
         repeated = {item.index for item in self.found}
         return tuple(index for index in range(self.n) if index not in repeated)
 
@@ -108,21 +111,22 @@ def similar_meaning(vectors: NDArray[np.float32], threshold: float = 0.9) -> Nea
 def _compare(
     size: int, similarities: Similarities, threshold: float, measure: Literal["cosine", "trigrams"]
 ) -> NearDuplicates:
-    """Compare every row with all earlier ones."""
+    """Compare every row with all earlier ones that are kept."""
     threshold = finite_number("threshold", threshold)
     if not 0.0 < threshold <= 1.0:
         raise UsageError(f"the threshold {threshold} is not in (0, 1]")
+    is_kept = np.ones(size, np.bool_)
     found = []
     for start in range(0, size, _BLOCK):
         rows = slice(start, min(start + _BLOCK, size))
-        values = similarities(rows)
-        is_earlier = np.tri(len(values), rows.stop, start - 1, np.bool_)
-        values = np.where(is_earlier, values, -np.inf)
-        best = values.max(axis=1)
-        nearest = (values >= best[:, None] - TIE).argmax(axis=1)
-        for row in np.flatnonzero((best >= threshold - _ROUNDING) & (best > 0.0)).tolist():
-            of = int(nearest[row])
-            found.append(Duplicate(index=start + row, of=of, similarity=float(values[row, of])))
+        for index, values in enumerate(similarities(rows), start):
+            earlier = np.where(is_kept[:index], values[:index], -np.inf)
+            best = earlier.max(initial=0.0)
+            if best < threshold - _ROUNDING or best == 0.0:
+                continue
+            is_kept[index] = False
+            of = int((earlier >= best - TIE).argmax())
+            found.append(Duplicate(index=index, of=of, similarity=float(earlier[of])))
     return NearDuplicates(found=tuple(found), n=size, threshold=threshold, measure=measure)
 
 

@@ -273,9 +273,12 @@ def test_a_key_that_occurs_twice_is_never_a_data_set(tmp_path):
         load_baseline(tmp_path / "v.json")
 
 
-def test_queries_of_2021_are_bare_lists(tmp_path):
-    (tmp_path / "test-queries.json").write_text('{"q1": ["a car", "one car"], "q2": ["a van"]}')
-    baseline = load_baseline(tmp_path / "test-queries.json", layout="cityflow-nl")
+@pytest.mark.parametrize("layout", ["auto", "cityflow-nl"])
+def test_queries_of_2021_are_bare_lists(tmp_path, layout):
+    key = "4e22368e-8180-46a5-b5a9-2af2f2a53ba{}"
+    queries = {key.format(1): ["a car", "one car"], key.format(2): ["a van"]}
+    (tmp_path / "test-queries.json").write_text(json.dumps(queries))
+    baseline = load_baseline(tmp_path / "test-queries.json", layout=layout)
     assert baseline.texts == ("a car", "one car", "a van")
 
 

@@ -23,12 +23,14 @@ def _grams(text):
 
 
 def _expected(similarity, threshold):
-    """List (index, of) by comparing each item with each earlier one."""
-    found = []
-    for index in range(1, len(similarity)):
-        of = int(np.argmax(similarity[index, :index]))
-        if similarity[index, of] >= threshold - 1e-6:
+    """List (index, of) by comparing each item with each earlier one that is kept."""
+    found, kept = [], []
+    for index, values in enumerate(similarity):
+        of = max(kept, key=lambda one: values[one], default=None)
+        if of is not None and values[of] >= threshold - 1e-6:
             found.append((index, of))
+        else:
+            kept.append(index)
     return found
 
 
@@ -52,7 +54,8 @@ def test_embeddings_are_compared_by_cosine(vectors, threshold):
     assert [item.index for item in report.found] == [i for i, _ in _expected(cosines, threshold)]
     for item in report.found:
         assert item.similarity == pytest.approx(cosines[item.index, item.of], abs=1e-6)
-        assert item.similarity == pytest.approx(cosines[item.index, : item.index].max(), abs=1e-6)
+        kept = [one for one in report.kept if one < item.index]
+        assert item.similarity == pytest.approx(cosines[item.index, kept].max(), abs=1e-6)
 
 
 def test_blocks_change_nothing(monkeypatch):
@@ -68,6 +71,12 @@ def test_case_and_punctuation_play_no_part():
     assert [(item.index, item.of) for item in report.found] == [(2, 0), (3, 0)]
     assert report.kept == (0, 1)
     assert similar_wording(["\u00c9cole here", "E\u0301cole here"], 1.0).found
+
+
+def test_a_chain_of_similar_texts_does_not_collapse_to_its_first():
+    words = [f"word{number}" for number in range(40)]
+    texts = [" ".join(words[start : start + 20]) for start in range(21)]
+    assert len(similar_wording(texts, 0.8).kept) > 3
 
 
 def test_words_that_differ_by_a_vowel_sign_are_not_equal():

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from oodscen_carla.server._actors import ServerActor, WalkerControl
+from oodscen_carla.server._actors import ZERO, ServerActor, WalkerControl
 from oodscen_carla.server._geometry import matrix, rotated
 from oodscen_carla.server._roads import ServedMap
 from oodscen_carla.server._values import FARTHEST, Transform, Vector
@@ -63,23 +63,25 @@ def move(actor: ServerActor, surface: Surface, dt: float) -> None:
     if actor.constant_velocity is not None:
         velocity = rotated(actor.constant_velocity, actor.place.rotation[1])
         actor.set_velocity(velocity, actor.constant_velocity[0], dt)
+        actor.acceleration = actor.angular = ZERO
         _shift(actor, dt)
-        if actor.is_vehicle or actor.is_walker:
-            _stand(actor, surface.map)
     elif actor.control is not None and actor.has_physics and actor.is_vehicle:
         drive(actor, actor.control, surface.friction_below(actor), dt)
-        _stand(actor, surface.map)
     elif actor.walk is not None:
         _walk(actor, actor.walk, dt)
-        _stand(actor, surface.map)
-    elif actor.has_physics and any(actor.velocity):
+    elif actor.has_physics and (any(actor.velocity) or actor.angular[2]):
         _shift(actor, dt)
+        _turn(actor, dt)
+    else:
+        return
+    if actor.is_vehicle or actor.is_walker:
+        _stand(actor, surface.map)
 
 
 def _walk(actor: ServerActor, walk: WalkerControl, dt: float) -> None:
-    """Move a walker, and turn it to where it goes."""
-    x, y, z = (walk.speed * part for part in walk.direction)
-    actor.velocity = (x, y, z)
+    """Move a walker across the ground, and turn it to where it goes."""
+    x, y, _ = (walk.speed * part for part in walk.direction)
+    actor.velocity, actor.angular = (x, y, 0.0), ZERO
     _shift(actor, dt)
     if walk.speed > 0.0 and math.hypot(x, y) > _TURNING_MPS:
         pitch, _, roll = actor.place.rotation
@@ -93,6 +95,13 @@ def _shift(actor: ServerActor, dt: float) -> None:
     x, y, z = (a + b * dt for a, b in zip(actor.place.location, actor.velocity, strict=True))
     x, y, z = (max(-FARTHEST, min(FARTHEST, value)) for value in (x, y, z))
     actor.place = Transform((x, y, z), actor.place.rotation)
+
+
+def _turn(actor: ServerActor, dt: float) -> None:
+    """Turn an actor about the vertical by its angular velocity."""
+    pitch, yaw, roll = actor.place.rotation
+    turned = (pitch, math.remainder(yaw + actor.angular[2] * dt, 360.0), roll)
+    actor.place = Transform(actor.place.location, turned)
 
 
 def _stand(actor: ServerActor, road: ServedMap) -> None:

@@ -9,6 +9,8 @@ from oodscen.testing._kit.shapes import LEAST_PX
 
 CHANGED = 12
 """Difference of a colour that counts as a change, of 255."""
+_TURNED = 1.0
+"""Least mean difference of colours between pictures of a straight drive and of one that turns away, of 255."""
 CONTRAST = 12.0
 """Least distance between the mean colours of a body and of the road, of 441."""
 
@@ -38,10 +40,9 @@ def check_colours(probe: Probe) -> None:
                 f"the picture changes in {inside:.0%} of its pixels and {outside:.0%} of the others",
             )
         ground = frame.rgb[_road_pixels(probe, camera)].astype(np.float64)
-        if len(ground):
-            colour, road_colour = frame.rgb[mask].mean(axis=0), np.median(ground, axis=0)
-            if float(np.linalg.norm(colour - road_colour)) < CONTRAST:
-                road_coloured.append(asset.id)
+        colour, road_colour = frame.rgb[mask].mean(axis=0), np.median(ground, axis=(0, 1))
+        if float(np.linalg.norm(colour - road_colour)) < CONTRAST:
+            road_coloured.append(asset.id)
     if tried >= 2 and len(road_coloured) > 0.5 * tried:
         probe.findings.add(
             "", f"most bodies have the colour of the road: {', '.join(road_coloured[:6])}"
@@ -67,13 +68,16 @@ def _road_pixels(probe: Probe, camera: Camera) -> tuple[slice, slice]:
     return rows, columns
 
 
-def check_roads(probe: Probe) -> None:
-    """Check that the picture turns with the ego."""
+def check_turning(probe: Probe) -> None:
+    """Check that the picture turns with the ego: it is another one than after a straight drive."""
     camera = probe.camera()
-    probe.simulator.reset(probe.scene(speed=8.0), 0)
-    first = probe.simulator.render(camera).rgb.astype(np.int16)
-    for _ in range(round(2.0 / probe.simulator.dt)):
-        probe.simulator.step(Control(0.0, 0.1))
-    last = probe.simulator.render(camera).rgb.astype(np.int16)
-    change = float(np.abs(last - first).mean())
-    probe.findings.expect(change > 1.0, "", "the picture does not change while the ego turns away")
+    pictures = []
+    for steering in (0.0, 0.1):
+        probe.simulator.reset(probe.scene(speed=8.0), 0)
+        for _ in range(round(2.0 / probe.simulator.dt)):
+            probe.simulator.step(Control(0.0, steering))
+        pictures.append(probe.simulator.render(camera).rgb.astype(np.int16))
+    change = float(np.abs(pictures[1] - pictures[0]).mean())
+    probe.findings.expect(
+        change > _TURNED, "", "the picture is that of a straight drive while the ego turns away"
+    )

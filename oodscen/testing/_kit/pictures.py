@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from oodscen.protocols import Control
 from oodscen.testing._kit.cameras import check_cameras
-from oodscen.testing._kit.colours import CHANGED, check_colours, check_roads
+from oodscen.testing._kit.colours import CHANGED, check_colours, check_turning
 from oodscen.testing._kit.findings import NotApplicable
 from oodscen.testing._kit.following import check_following
 from oodscen.testing._kit.probe import Probe
@@ -41,7 +41,7 @@ def check_pictures(probe: Probe) -> None:
         ("cameras", check_cameras),
         ("following", check_following),
         ("colours", check_colours),
-        ("roads", check_roads),
+        ("turning", check_turning),
         ("order", _check_order),
         ("leftovers", _check_leftovers),
         ("rendering", _check_rendering),

@@ -102,6 +102,21 @@ def test_a_driver_who_cuts_out_does_not_brake_for_what_it_hides() -> None:
     assert min(state.speeds[1] for state in states) < 11.0
 
 
+def test_a_driver_who_brakes_gently_accelerates_as_others_do() -> None:
+    halt = Behaviour(name="halt", parameters={"speed": 8.0, "deceleration": 4.0, "pause": 4.0})
+    ahead = Actor(id="b", asset="car", placement=Placement(ahead_m=70.0), behaviour=halt)
+    most = []
+    for deceleration in (1.0, 6.0):
+        follow = {"speed": 10.0, "deceleration": deceleration}
+        behaviour = Behaviour(name="follow_lane", parameters=follow)
+        actor = Actor(id="a", asset="car", placement=Placement(ahead_m=30.0), behaviour=behaviour)
+        speeds = np.array([state.speeds[1] for state in runs(actor, ahead, seconds=15.0)])
+        changes = np.diff(speeds) / 0.05
+        assert changes.min() > -deceleration - 1e-6
+        most.append(changes.max())
+    assert min(most) > 1.2
+
+
 @pytest.mark.parametrize(
     ("duration", "friction", "least", "most"),
     [

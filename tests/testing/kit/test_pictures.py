@@ -56,6 +56,13 @@ class Painted(Few):
         return replace(frame, rgb=ramp.astype(np.uint8))
 
 
+class Straight(Few):
+    """Draws every drive as one that goes straight on."""
+
+    def step(self, control):
+        return super().step(Control(control.acceleration, 0.0))
+
+
 class Transparent(Few):
     """Draws the far body over the near one."""
 
@@ -132,7 +139,8 @@ class Shallow(Few):
     [
         (Greyed, "pictures", "most bodies have the colour of the road: "),
         (Painted, "pictures", "the picture changes in 0% of its pixels"),
-        (Painted, "pictures", "the picture does not change while the ego turns away"),
+        (Painted, "pictures", "the picture is that of a straight drive while the ego turns away"),
+        (Straight, "pictures", "the picture is that of a straight drive while the ego turns away"),
         (Transparent, "pictures", "a hidden body shows "),
         (Miscounts, "pictures", "unhidden counts "),
         (Leaves, "pictures", "of the picture show the scene before"),

@@ -77,15 +77,38 @@ def test_a_constant_velocity_is_the_speed_and_lasts_beyond_its_end(served):
     assert math.hypot(*actor.acceleration) < 5.0
 
 
+def test_at_constant_velocity_nothing_accelerates_or_turns(served):
+    car = served.spawn(CAR, 50.0, 1.7)
+    actor = served.world.actors[car]
+    served.get("apply_control_to_vehicle", car, [1.0, 0.5, 0.0, False, False, False, 0])
+    for _ in range(10):
+        served.get("tick_cue")
+    assert any(actor.acceleration)
+    assert actor.angular[2]
+    served.get("enable_actor_constant_velocity", car, [5.0, 0.0, 0.0])
+    served.get("tick_cue")
+    assert actor.acceleration == actor.angular == (0.0, 0.0, 0.0)
+
+
+def test_a_target_angular_velocity_turns(served):
+    car = served.spawn(CAR, 50.0, 1.7, yaw=170.0)
+    served.get("set_actor_target_angular_velocity", car, [0.0, 0.0, 30.0])
+    for _ in range(20):
+        served.get("tick_cue")
+    expected = 170.0 + 30.0 * 20 * served.world.step - 360.0
+    assert served.world.actors[car].place.rotation[1] == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("call", ["enable_actor_constant_velocity", "set_actor_target_velocity"])
 @pytest.mark.parametrize("blueprint", [CAR, WALKER])
-def test_a_constant_velocity_follows_the_ground(served, blueprint):
+def test_a_given_velocity_follows_the_ground(served, blueprint, call):
     served.world.load("rural_hill")
     samples = served.world.map.samples
     x, y, z, heading, slope = samples[abs(samples[:, 4]).argmax()].tolist()
     assert abs(slope) > 0.05
     place = [[x, -y, z], [0.0, -math.degrees(heading), 0.0]]
     body = served.get("spawn_actor", [1, blueprint, []], place)[0]
-    served.get("enable_actor_constant_velocity", body, [20.0, 0.0, 0.0])
+    served.get(call, body, [20.0, 0.0, 0.0])
     for _ in range(20):
         served.get("tick_cue")
     actor = served.world.actors[body]
@@ -97,7 +120,7 @@ def test_a_constant_velocity_follows_the_ground(served, blueprint):
 
 @ONE_EXAMPLE_A_WORLD
 @given(
-    st.tuples(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), st.just(0.0)),
+    st.tuples(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), st.floats(-3.0, 3.0)),
     st.floats(-5.0, 5.0),
     st.floats(-180.0, 180.0),
 )
@@ -111,3 +134,4 @@ def test_a_walkers_speed_is_that_of_its_way_along_its_heading(served, direction,
     turn = math.radians(actor.place.rotation[1])
     along = (x - 50.0) * math.cos(turn) + (y - 1.7) * math.sin(turn)
     assert actor.speed == pytest.approx(along / served.world.step, abs=1e-6)
+    assert actor.velocity[2] == 0.0
