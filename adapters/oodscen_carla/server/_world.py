@@ -270,7 +270,7 @@ class World:
         ahead = rotated(velocity, -actor.place.rotation[1])[0]
         if actor.staged:
             assert self.staged is not None
-            self.staged.world.alter(speed=ahead)
+            self.staged.set_speed(ahead)
         else:
             actor.set_velocity(velocity, ahead, self.step)
 

@@ -318,6 +318,20 @@ def test_a_client_sets_the_heros_speed_and_the_friction_of_a_staged_scene(staged
         assert all(map(math.isfinite, (*hero.place.location, hero.speed)))
 
 
+@pytest.mark.parametrize("ticks_before", [0, 1])
+def test_the_hero_keeps_the_speed_that_it_was_given_until_the_first_control(staged, ticks_before):
+    hero = next(actor for actor in staged.world.actors.values() if actor.staged)
+    staged.get("set_episode_settings", [True, *staged.world.settings.wire()[1:]])
+    for _ in range(ticks_before):
+        staged.get("tick_cue")
+    yaw = math.radians(hero.place.rotation[1])
+    velocity = [12.0 * math.cos(yaw), 12.0 * math.sin(yaw), 0.0]
+    staged.get("set_actor_target_velocity", hero.id, velocity)
+    for _ in range(20):
+        staged.get("tick_cue")
+    assert hero.speed == pytest.approx(12.0, abs=0.1)
+
+
 def test_after_the_last_client_the_world_begins_again(staged):
     first = list(staged.world.actors.values())[1].place
     settings_ = staged.world.settings.wire()
