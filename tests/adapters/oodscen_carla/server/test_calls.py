@@ -287,6 +287,16 @@ def test_the_lamps_of_a_staged_scene_are_its_own(staged):
     assert staged.get("get_vehicle_light_state", hero) == [0]
 
 
+def test_a_clients_vehicle_is_lit_in_a_staged_scene_too(staged):
+    car = staged.spawn(CAR, 500.0, 500.0)
+    plain = staged.world.scene()
+    assert plain.actors == staged.world.staged.scene.actors
+    staged.get("set_vehicle_light_state", car, [3])
+    *before, lit = staged.world.scene().actors
+    assert tuple(before) == plain.actors
+    assert lit.id == staged.world.actors[car].name
+
+
 def test_a_client_sets_the_heros_speed_and_the_friction_of_a_staged_scene(staged):
     world = staged.world
     hero = next(
