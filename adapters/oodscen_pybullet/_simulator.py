@@ -14,6 +14,7 @@ from oodscen.data._scene import Scene
 from oodscen.driving import MirrorSimulator
 from oodscen.driving._roads.building import find_map
 from oodscen.driving._roads.corridor import Corridor
+from oodscen.driving._sight.lamps import has_lamps_on
 from oodscen.errors import SpawnError
 from oodscen.numerics import _exact as exact
 from oodscen.protocols import Camera, Frame
@@ -49,6 +50,10 @@ _SNOWED_ROADS_MM_H = 1.0
 """Snowfall rate below which the roads are cleared, and only the land is white, mm/h."""
 _INSIDE_M = (2.4, 1.0, 1.6)
 """Distances ahead of the ego's middle, beside it and above the road within which a camera is in the ego, m."""
+_ON_M = (0.5, 0.3, 1.5)
+"""Distances from the ego's ends, from its sides and above its roof within which a camera is on the ego, m."""
+_ASIDE = 1e-9
+"""Cosine of the angle between the ego's heading and a camera up to which the camera does not look forward."""
 
 
 class PyBulletSimulator(MirrorSimulator):
@@ -174,9 +179,13 @@ class PyBulletSimulator(MirrorSimulator):
         assert self._loaded is not None
         _, scene, seed = self._loaded
         stage, scenery = self._stage_at(time)
-        view = CameraView.of(camera, mount, roll_deg)
         fired = fired or [-1.0] * len(self._poses)
         looks = self._cast.looks(self._poses, self._speeds, accelerations, fired, time)
+        view = CameraView.of(camera, mount, roll_deg)
+        # As the sun sinks beams are faintly seen; once vehicles have lamps on, only the beams of those that do.
+        has_beams = looks[0].running or not has_lamps_on(scene, "ego")
+        if not (has_beams and _sees_by_beams(view, self._poses[0], self._cast.assets[0])):
+            view = replace(view, is_lit=False)
         for row, tilt in tilts.items():
             looks[row] = looks[row]._replace(tilt=tilt_of(*tilt))
         is_inside = _is_inside(view, self._poses[0])
@@ -184,7 +193,7 @@ class PyBulletSimulator(MirrorSimulator):
         poses = self._poses_on(scenery)
         stage.pose_actors(poses)
         shot, light, portal = self._take(stage, view, poses[0][2])
-        lamps, balls = _lamps_and_smoke(looks, poses, is_inside=is_inside)
+        lamps, balls = _lamps_and_smoke(looks, poses, has_ego_lamps=not (is_inside or view.is_lit))
         picture = RawPicture(
             shot=shot,
             view=view,
@@ -290,14 +299,14 @@ class PyBulletSimulator(MirrorSimulator):
 
 
 def _lamps_and_smoke(
-    looks: Sequence[Look], poses: Sequence[Pose], *, is_inside: bool
+    looks: Sequence[Look], poses: Sequence[Pose], *, has_ego_lamps: bool
 ) -> tuple[list[Lamp], list[PlacedPuff]]:
-    """Return the lit lamps, from inside without the ego's, and the smoke, in world coordinates."""
+    """Return the lit lamps, with the ego's or without, and the smoke, in world coordinates."""
     lamps, balls = [], []
     for row, (look, (x, y, z, yaw)) in enumerate(zip(looks, poses, strict=True)):
         mesh, position = mesh_of(look), (x, y, z)
         sin, cos = exact.sincos(yaw)
-        if row > 0 or not is_inside:
+        if row > 0 or has_ego_lamps:
             lamps += [lamp.placed(position, (cos, sin)) for lamp in mesh.lamps]
         balls += [PlacedPuff(puff.placed(position, (cos, sin)), row) for puff in mesh.puffs]
     return lamps, balls
@@ -315,12 +324,27 @@ def _unhidden(stage: Stage, view: CameraView, balls: Sequence[PlacedPuff]) -> I3
 
 def _is_inside(view: CameraView, ego: Pose) -> bool:
     """Return whether a camera is in the ego."""
+    ahead, left, up = _place_on(view, ego)
+    length, width, height = _INSIDE_M
+    return abs(ahead) < length and abs(left) < width and up < height
+
+
+def _sees_by_beams(view: CameraView, ego: Pose, asset: Asset) -> bool:
+    """Return whether a camera is on the ego and looks forward, so that it sees by the ego's low beams."""
+    ahead, left, up = _place_on(view, ego)
+    sin, cos = exact.sincos(ego[3])
+    beyond, beside, above = _ON_M
+    is_on = abs(ahead) < 0.5 * asset.length + beyond and abs(left) < 0.5 * asset.width + beside
+    is_forward = view.forward[0] * cos + view.forward[1] * sin > _ASIDE
+    return is_on and up < asset.height + above and is_forward
+
+
+def _place_on(view: CameraView, ego: Pose) -> tuple[float, ...]:
+    """Return a camera's distances ahead of the ego's middle, to its left and above the road, m."""
     x, y, z, yaw = ego
     sin, cos = exact.sincos(yaw)
     dx, dy, dz = view.eye[0] - x, view.eye[1] - y, view.eye[2] - z
-    ahead, left, up = (round(value, 6) for value in (dx * cos + dy * sin, dy * cos - dx * sin, dz))
-    length, width, height = _INSIDE_M
-    return abs(ahead) < length and abs(left) < width and up < height
+    return tuple(round(value, 6) for value in (dx * cos + dy * sin, dy * cos - dx * sin, dz))
 
 
 def _snow(scene: Scene) -> Snow:

@@ -46,7 +46,7 @@ class BodyRenderer(Protocol):
         time: float,
         roll_deg: float = 0.0,
     ) -> Frame:
-        """Return the picture of a camera."""
+        """Return the picture of a camera; on the ego, it sees by the ego's low beams."""
         ...
 
     def close(self) -> None:
@@ -128,14 +128,14 @@ class CameraRenderer:
         return frame, np.array([0, *(body.key for body in shown)], np.int32)
 
     def _stand_in(self, mount: Pose, road: Corridor) -> PicturedBody:
-        """Return the ego of a picture that has none: far behind the camera, out of sight."""
+        """Return the ego of a picture that has none: far behind the camera, its lamps and itself out of sight."""
         x, y, _, yaw = mount
         ground = road.point(road.locate(x, y)[0], 0.0)[2]
         pose = (x - _AWAY_M * math.cos(yaw), y - _AWAY_M * math.sin(yaw), ground, 0.0)
         return PicturedBody(0, _STAND_IN, self._renderer.catalogue().ego, "", pose, 0.0, 0.0)
 
     def _load(self, scene: Scene, seed: int, road: Corridor, shown: Sequence[PicturedBody]) -> None:
-        """Load the scene and its bodies, unless the last picture showed the same."""
+        """Load the scene and its bodies, unless the last picture showed the same with the same host."""
         looks = tuple((body.key, body.name, body.asset.id, body.state) for body in shown)
         if (scene, seed, looks) == self._loaded:
             return

@@ -52,19 +52,16 @@ def name_of(role: str, actor_id: int, taken: Container[str]) -> str:
 
 
 def lit_vehicles(actors: Iterable[ServerActor]) -> tuple[LitVehicle, ...]:
-    """Return every vehicle with its lamps on."""
+    """Return every client's vehicle with its lamps on."""
     return tuple(
         LitVehicle(actor.name, actor.blueprint.asset.id)
         for actor in actors
-        if actor.blueprint.asset is not None and actor.lights & _HEADLAMPS
+        if actor.blueprint.asset is not None and actor.lights & _HEADLAMPS and not actor.staged
     )
 
 
-def street_scene(
-    road_map: RoadMap, catalogue: Catalogue, weather: Weather, lit: Iterable[LitVehicle]
-) -> Scene:
-    """Return a scene without a hazard, by which a simulator draws a road, its weather and lit vehicles."""
-    map_ids = {each.id for each in catalogue.maps}
+def lit_actors(lit: Iterable[LitVehicle]) -> tuple[Actor, ...]:
+    """Return lit vehicles as actors of a scene: they drive, and so have their lamps on in the dark."""
     actors = {
         vehicle.name: Actor(
             id=vehicle.name,
@@ -74,13 +71,21 @@ def street_scene(
         )
         for vehicle in lit
     }
+    return tuple(actors.values())
+
+
+def street_scene(
+    road_map: RoadMap, catalogue: Catalogue, weather: Weather, lit: Iterable[LitVehicle]
+) -> Scene:
+    """Return a scene without a hazard, by which a simulator draws a road, its weather and lit vehicles."""
+    map_ids = {each.id for each in catalogue.maps}
     return Scene(
         id="carla",
         scenario_id="carla",
         map=road_map.id if road_map.id in map_ids else road_map.file,
         ego=Ego(speed=0.0),
         weather=weather,
-        actors=tuple(actors.values()),
+        actors=lit_actors(lit),
         hazard=Hazard(weather=weather),
         decision=Trigger(),
     )

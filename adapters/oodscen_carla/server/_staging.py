@@ -34,6 +34,11 @@ class ServedScene:
         self._cruise = action_driver("keep_speed")
         self._owed = 0.0
 
+    def set_speed(self, speed: float) -> None:
+        """Give the ego a speed, m/s, which it keeps until the first control; a negative one is 0."""
+        self.world.alter(speed=speed)
+        self._cruise = action_driver("keep_speed")
+
     def advance(self, dt: float, control: VehicleControl | None) -> None:
         """Advance by whole steps of the scene, as many as the time given so far allows.
 

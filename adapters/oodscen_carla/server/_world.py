@@ -28,6 +28,7 @@ from oodscen_carla.server._depiction import (
     LitVehicle,
     Motion,
     client_body,
+    lit_actors,
     lit_vehicles,
     name_of,
     staged_body,
@@ -189,7 +190,7 @@ class World:
 
     def scene(self) -> Scene:
         """Return the scene whose map, weather and lit vehicles the pictures show."""
-        lit = () if self.staged else lit_vehicles(self.actors.values())
+        lit = lit_vehicles(self.actors.values())
         key = (self.episode, self.weather, lit)
         if self._drawn is None or self._drawn[0] != key:
             self._drawn = (key, self._drawn_scene(lit))
@@ -198,7 +199,9 @@ class World:
     def _drawn_scene(self, lit: tuple[LitVehicle, ...]) -> Scene:
         weather = self._shown_weather()
         if self.staged is not None:
-            return self.staged.scene.model_copy(update={"weather": weather})
+            scene = self.staged.scene
+            actors = (*scene.actors, *lit_actors(lit))
+            return scene.model_copy(update={"weather": weather, "actors": actors})
         return street_scene(self.map.road_map, self.catalogue, weather, lit)
 
     def spawn(self, description: Description, place: Transform, parent: int) -> ServerActor:
@@ -270,7 +273,7 @@ class World:
         ahead = rotated(velocity, -actor.place.rotation[1])[0]
         if actor.staged:
             assert self.staged is not None
-            self.staged.world.alter(speed=ahead)
+            self.staged.set_speed(ahead)
         else:
             actor.set_velocity(velocity, ahead, self.step)
 

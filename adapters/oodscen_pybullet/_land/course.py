@@ -30,7 +30,11 @@ class RoadCourse:
     """A corridor's line, resampled for drawing and extended straight beyond its ends."""
 
     s: Array
-    """[n], m; evenly spaced, with two extra samples per interval in tight bends and where widths change."""
+    """[n], m; evenly spaced but for the last piece, with more where the road bends or its widths change.
+
+    Tight bends and changing widths have two more samples per piece; the ends of structures, and on a fast road
+    the places where lanes begin or end, have one each.
+    """
     x: Array
     y: Array
     z: Array
@@ -107,7 +111,7 @@ def _positions(corridor: Corridor, first: float, last: float) -> Array:
     count = max(1, int((last - first) / piece_m + 0.5))
     step = min(piece_m, last - first)
     s: Array = first + step * np.arange(count + 1, dtype=np.float64)
-    s[-1] = max(last, float(s[-2]) + 0.25 * step)
+    s[-1] = last
     middle, length = 0.5 * (s[1:] + s[:-1]), np.diff(s)
     is_split = np.interp(middle, corridor.s, np.abs(corridor.curvature)) > TIGHT
     for strip in corridor.strips:
@@ -120,7 +124,7 @@ def _positions(corridor: Corridor, first: float, last: float) -> Array:
     if is_fast(corridor):
         # Where a lane leaves the road, a long piece would taper it and leave a hole beside it.
         breaks += _lane_changes(corridor)
-    parts.append(np.array([s for s in breaks if first < s < last], np.float64))
+    parts.append(np.array([place for place in breaks if first < place < last], np.float64))
     return np.unique(np.concatenate(parts))
 
 

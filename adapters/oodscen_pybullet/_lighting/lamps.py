@@ -36,7 +36,7 @@ _Facing = tuple[float, float]
 
 
 def ground_light(view: CameraView, lamps: Sequence[Lamp], light: Light) -> F32 | None:
-    """Return the lamps' light on surfaces in front of the camera.
+    """Return the lamps' light on surfaces around the camera, most of them in front of it.
 
     Args:
         view: The camera.
@@ -44,8 +44,8 @@ def ground_light(view: CameraView, lamps: Sequence[Lamp], light: Light) -> F32 |
         light: The light of the scene; by day lamps illuminate nothing.
 
     Returns:
-        [GRID_AHEAD, GRID_ASIDE, 3] by cells along the optical axis and to the right, with the axis in
-        the middle; `None` if the lamps add nothing.
+        [GRID_AHEAD, GRID_ASIDE, 3] by level cells ahead and to the right, with the camera over the row
+        `camera_row` and the middle column; `None` if the lamps add nothing.
     """
     dark = 1.0 - light.daylight
     if dark < _DARK_ENOUGH:
@@ -54,6 +54,11 @@ def ground_light(view: CameraView, lamps: Sequence[Lamp], light: Light) -> F32 |
     for lamp in lamps:
         _add_pool(grid, view, lamp, np.float32(dark))
     return grid if grid.any() else None
+
+
+def camera_row(view: CameraView) -> int:
+    """Return the row of the grid that the camera is over: the first, or a later one the more it looks down."""
+    return round(GRID_AHEAD / 2 * max(-view.forward[2], 0.0) ** 2)
 
 
 def _add_pool(grid: F32, view: CameraView, lamp: Lamp, dark: np.float32) -> None:
@@ -65,15 +70,16 @@ def _add_pool(grid: F32, view: CameraView, lamp: Lamp, dark: np.float32) -> None
         lamp: The lamp.
         dark: Darkness of the scene, 0 to 1.
     """
-    aside, _, ahead = view.to_camera(lamp.position)
+    aside, ahead = view.to_level(lamp.position)
+    first = camera_row(view)
     facing = _facing(view, lamp)
     reach = _reach(lamp, facing)
-    rows = _cells(ahead, reach, 0.0, GRID_AHEAD)
+    rows = _cells(ahead, reach, first, GRID_AHEAD)
     columns = _cells(aside, reach, GRID_ASIDE / 2, GRID_ASIDE)
     if not (rows and columns):
         return
     cell = np.float32(GRID_CELL_M)
-    y = (np.array(rows, np.float32) * cell - np.float32(ahead))[:, None]
+    y = ((np.array(rows, np.float32) - np.float32(first)) * cell - np.float32(ahead))[:, None]
     x = np.array(columns, np.float32) - np.float32(GRID_ASIDE / 2)
     x = (x * cell - np.float32(aside))[None, :]
     rim = np.maximum(_ONE - (x * x + y * y) * np.float32(1.0 / reach**2), _ZERO)
@@ -83,12 +89,11 @@ def _add_pool(grid: F32, view: CameraView, lamp: Lamp, dark: np.float32) -> None
 
 
 def _facing(view: CameraView, lamp: Lamp) -> _Facing:
-    """Return where a lamp shines; neither its own tilt nor the camera's shortens the way."""
+    """Return where a lamp shines; its tilt does not shorten the way."""
     x, y, _ = lamp.facing
     if x * x + y * y <= _STEEP * _STEEP:
         return (0.0, 0.0)
-    right = x * view.right[0] + y * view.right[1]
-    forward = x * view.forward[0] + y * view.forward[1]
+    right, forward = view.level(x, y)
     length = math.sqrt(right * right + forward * forward) or 1.0
     return (right / length, forward / length)
 

@@ -8,8 +8,8 @@ from oodscen_pybullet._types import F32, I32, U8
 
 _FARTHEST_M = np.float32(300.0)
 """Depth from which wet ground reflects nothing, m."""
-_GRAZING_M = np.float32(13.0)
-"""Depth at which the gain at grazing angles is half of that at the horizon, m."""
+_GRAZING, _LOWEST_EYE_M = 13.0 / 1.4, 0.1
+"""Depth, in heights of the eye, at which the gain at grazing angles is half of that at the horizon; least height, m."""
 _SMEAR, _RIPPLE = np.float32(0.93), np.float32(0.4)
 """Share of the reflection in the row above that is kept: by rough asphalt, by water."""
 _WATER, _WATER_GRAZING = np.float32(0.26), np.float32(0.6)
@@ -22,6 +22,11 @@ _LAMP = np.float32(205.0)
 """Value above which a pixel counts as a lamp."""
 _HASH = np.uint64(2654435761)
 """Multiplier of Knuth's multiplicative hash."""
+
+
+def grazing_depth(eye_height: float) -> np.float32:
+    """Return the depth at which the gain at grazing angles is half, m, for an eye above the ground, m."""
+    return np.float32(_GRAZING * max(eye_height, _LOWEST_EYE_M))
 
 
 @inlined
@@ -38,22 +43,23 @@ def add_reflections(
     image: U8,
     depth: F32,
     kinds: U8,
+    half_m: np.float32,
     wet: np.float32,
     gain: np.float32,
     seed: np.uint32,
 ) -> None:
     """Reflect objects and the sky in wet ground.
 
-    Column by column, the picture is mirrored at a row. For water that is the lowest row above it that shows no
-    road, of a bank for instance. For wet ground it is the lowest row of what stands on the ground, or of the sky:
-    it mirrors neither level ground nor what is nearer than itself, and what is above them in the picture takes
-    their place. Rough wet asphalt smears the reflection into streaks; a puddle keeps it sharp. Where there is nothing
-    to mirror, as in a column of ground only, the picture stays as it is.
+    Every column is mirrored at one of its rows. Water is mirrored at its bank: the row above it where it ends. Wet
+    asphalt is mirrored at the foot of what stands behind it, or at the horizon, and never shows other ground. What
+    is nearer than the asphalt casts no reflection on it; the next thing above takes its place. Asphalt smears its
+    reflections into streaks, and water keeps them sharp. Columns with nothing to mirror stay as they are.
 
     Args:
         image: [height, width, 3], changed in place.
-        depth: [height, width] m
+        depth: [height, width], m.
         kinds: [height, width] surface flags: `triangles.MIRROR` and so on.
+        half_m: Depth at which the gain at grazing angles is half of that at the horizon, m; see `grazing_depth`.
         wet: Reflectivity of wet ground at grazing angles, 0 to 1; 0 is dry.
         gain: Brightness of lamps relative to their pixels: 0 by day, when the sky outshines them.
         seed: Seed of the surface roughness.
@@ -79,7 +85,7 @@ def add_reflections(
             mirror_row = bank[x] if is_water else foot[x]
             if mirror_row < 0 or (not is_water and wet <= zero):
                 continue
-            grazing = distance / (distance + _GRAZING_M)
+            grazing = distance / (distance + half_m)
             if is_water:
                 column, share, keep = x, _WATER + _WATER_GRAZING * grazing, _RIPPLE
             else:

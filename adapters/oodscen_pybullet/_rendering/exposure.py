@@ -8,7 +8,7 @@ from oodscen._seeding import stream
 from oodscen.data._scene import Weather
 from oodscen.driving._sight.visibility import extinction
 from oodscen.numerics._kernels import is_compiled
-from oodscen_pybullet._lighting.lamps import ground_light
+from oodscen_pybullet._lighting.lamps import camera_row, ground_light
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shadows import CELLS, FAR_CELLS, FAR_SIDE_M, SIDE_M, Shade
 from oodscen_pybullet._lighting.shelter import Portal
@@ -84,6 +84,7 @@ def expose(picture: RawPicture, rate: float, air: Sequence[float]) -> Plate:
     """
     view, light, weather, shot = picture.view, picture.light, picture.weather, picture.shot
     across, upwards = view.slopes()
+    axes = (view.right, view.up, view.forward)
     grid = ground_light(view, picture.lamps, light) if is_compiled() else None
     has_grain = light.daylight < _GRAINY
     return Plate(
@@ -95,7 +96,7 @@ def expose(picture: RawPicture, rate: float, air: Sequence[float]) -> Plate:
         sky=shot.sky,
         across=across,
         upwards=upwards,
-        axes=np.array([view.right, view.up, view.forward], np.float32),
+        axes=np.array(axes, np.float32),
         eye_height=np.float32(view.eye[2] - picture.road_height),
         air=_air(picture, rate, air),
         daylight=_daylight(light, has_shadows=shot.shade is not None),
@@ -108,8 +109,10 @@ def expose(picture: RawPicture, rate: float, air: Sequence[float]) -> Plate:
         clear_sky=clear_sky(view, weather, light),
         cloud_rows=cloud_rows(view),
         cloud_columns=cloud_columns(view),
+        level=np.array([view.level(x, y) for x, y, _ in axes], np.float32),
         has_grid=grid is not None,
         grid=_NO_GRID if grid is None else grid,
+        grid_row=np.float32(camera_row(view)),
         wet=np.float32(_WET if weather.precipitation == "rain" else 0.0),
         has_grain=has_grain,
         noise=np.uint32(_noise(picture) if has_grain else 0),

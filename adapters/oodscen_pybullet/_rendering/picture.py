@@ -8,7 +8,7 @@ import numpy as np
 from oodscen.driving._sight.visibility import extinction
 from oodscen.numerics._kernels import is_compiled
 from oodscen_pybullet._lighting.glows import add_glare, add_glows
-from oodscen_pybullet._lighting.reflections import add_reflections
+from oodscen_pybullet._lighting.reflections import add_reflections, grazing_depth
 from oodscen_pybullet._rendering.exposure import expose
 from oodscen_pybullet._rendering.particles import add_puffs
 from oodscen_pybullet._rendering.plate import Plate
@@ -46,6 +46,7 @@ def develop(picture: RawPicture) -> U8:
             image,
             shot.depth,
             plate.kinds,
+            grazing_depth(view.eye[2] - picture.road_height),
             np.float32(_MIRRORING if is_raining else 0.0),
             np.float32(_MIRRORED_LAMPS * max(1.0 - 2.0 * light.daylight, 0.0)),
             np.uint32(picture.seed % 2**20),

@@ -144,9 +144,13 @@ class Plate(NamedTuple):
     """[height, 2] row of the cloud sheet, and weight of the next row."""
     cloud_columns: F32
     """[width] column of the cloud sheet; its fraction is the weight of the next column."""
+    level: F32
+    """[3, 2] parts of the camera's right, up and forward to its level right and ahead."""
     has_grid: bool
     grid: F32
     """[GRID_AHEAD, GRID_ASIDE, 3] light of other lamps on the ground; not read without `has_grid`."""
+    grid_row: np.float32
+    """Row of the grid that the camera is over."""
     wet: np.float32
     """Brightness of wet ground relative to dry; 0 if the ground is dry."""
     has_grain: bool

@@ -241,16 +241,21 @@ def _add_beams(plate: Plate, line: RowBuffers, y: int) -> None:
 @part
 def _add_lamps(plate: Plate, line: RowBuffers, y: int) -> None:
     """Add the light of other lamps."""
-    axes, across, grid = plate.axes, plate.across, plate.grid
+    axes, across, level, grid = plate.axes, plate.across, plate.level, plate.grid
     kinds, reach = plate.kinds, plate.reach
-    light = line.light
-    rise = plate.upwards[y] * axes[1, 2] + axes[2, 2]
+    light, up = line.light, plate.upwards[y]
+    rise = up * axes[1, 2] + axes[2, 2]
+    aside, ahead = up * level[1, 0] + level[2, 0], up * level[1, 1] + level[2, 1]
     one = np.uint64(1)
     for x in range(light.shape[1]):
         near = np.minimum(reach[y, x], FARTHEST_M)
-        u = near * np.float32(1.0 / GRID_CELL_M)
-        v = near * across[x] * np.float32(1.0 / GRID_CELL_M) + np.float32(GRID_ASIDE / 2)
-        if not (u < np.float32(GRID_AHEAD - 1) and _ZERO <= v < np.float32(GRID_ASIDE - 1)):
+        u = near * (ahead + across[x] * level[0, 1]) * np.float32(1.0 / GRID_CELL_M)
+        v = near * (aside + across[x] * level[0, 0]) * np.float32(1.0 / GRID_CELL_M)
+        u, v = u + plate.grid_row, v + np.float32(GRID_ASIDE / 2)
+        is_near = _ZERO <= u < np.float32(GRID_AHEAD - 1) and _ZERO <= v < np.float32(
+            GRID_ASIDE - 1
+        )
+        if not is_near:
             continue
         i, j = np.uint64(np.int32(u)), np.uint64(np.int32(v))
         fu, fv = u - np.float32(np.int32(u)), v - np.float32(np.int32(v))

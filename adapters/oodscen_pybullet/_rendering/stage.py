@@ -58,7 +58,7 @@ class RawPicture:
     weather: Weather
     light: Light
     lamps: Sequence[Lamp]
-    """All lit lamps in world coordinates; from inside the ego, without its own."""
+    """All lit lamps in world coordinates, without the ego's if the camera is in it or sees by them."""
     time: float
     """Time since the start, s; rain and snow change over time."""
     seed: int

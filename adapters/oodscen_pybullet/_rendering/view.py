@@ -28,8 +28,10 @@ class CameraView:
     right: Point
     up: Point
     forward: Point
+    heading: tuple[float, float]
+    """Level direction ahead, of length 1; the top of the picture if the camera looks straight down."""
     is_lit: bool = True
-    """True if the ego's headlamps light what the camera sees: it looks forward."""
+    """True if the ego's headlamps light what the camera sees: it is on the ego and looks forward."""
 
     @classmethod
     def of(
@@ -66,7 +68,7 @@ class CameraView:
             right=right,
             up=up,
             forward=(ca * cp, sa * cp, -sp),
-            is_lit=abs(camera.yaw_deg) < 90.0,
+            heading=(ca, sa),
         )
 
     def view_matrix(self) -> list[float]:
@@ -103,6 +105,16 @@ class CameraView:
             dx * self.up[0] + dy * self.up[1] + dz * self.up[2],
             dx * self.forward[0] + dy * self.forward[1] + dz * self.forward[2],
         )
+
+    def to_level(self, point: Point) -> tuple[float, float]:
+        """Return a world point in level metres to the right and ahead of the camera, however it is tilted."""
+        dx, dy = point[0] - self.eye[0], point[1] - self.eye[1]
+        return self.level(dx, dy)
+
+    def level(self, x: float, y: float) -> tuple[float, float]:
+        """Return the parts of a direction in the world to the level right and ahead of the camera."""
+        cos, sin = self.heading
+        return x * sin - y * cos, x * cos + y * sin
 
     def pixel(self, point: Point) -> tuple[float, float, float] | None:
         """Return column, row and depth of a world point, or `None` if it is behind the camera."""

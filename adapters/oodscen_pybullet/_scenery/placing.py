@@ -1,6 +1,7 @@
 """Placement of meshes beside roads: never on a road and never overlapping."""
 
 import math
+from collections.abc import Container
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -180,15 +181,24 @@ class Site:
         heading = (cos, sin) if side > 0 else (-cos, -sin)
         return RoadsidePlace(x - t * sin, y + t * cos, heading, s, side)
 
-    def is_spanned(self, spot: RoadsidePlace, margin: float = 6.0) -> bool:
-        """Return whether a spot is on a bridge or in a tunnel, or close to the end of one."""
-        if not self.ground.corridor.structures:
+    def is_spanned(
+        self,
+        spot: RoadsidePlace,
+        margin: float = 6.0,
+        kinds: Container[str] = ("bridge", "tunnel"),
+    ) -> bool:
+        """Return whether a spot is on a bridge or in a tunnel, or close to the end of one.
+
+        Args:
+            spot: The spot.
+            margin: Distance from the end that counts as close, m.
+            kinds: The kinds of structure that count.
+        """
+        spans = [one for one in self.ground.corridor.structures if one.kind in kinds]
+        if not spans:
             return False
         s, _ = self.ground.locate(spot.x, spot.y)
-        return any(
-            structure.start - margin < s < structure.end + margin
-            for structure in self.ground.corridor.structures
-        )
+        return any(one.start - margin < s < one.end + margin for one in spans)
 
     def is_far(self, spot: RoadsidePlace) -> bool:
         """Return whether a spot is too far away for small objects to be visible."""

@@ -11,7 +11,7 @@ _HOLDS_BRAKE = frozenset(having(lambda row: row.holds_brake))
 
 
 def has_lamps_on(scene: Scene, actor_id: str) -> bool:
-    """Return whether an actor has its lamps on: it drives, and visibility is reduced.
+    """Return whether an actor or the ego has its lamps on: it drives, and visibility is reduced.
 
     Unlit actors never have lamps on, and neither do standing ones in the state "off", even at night.
     """
@@ -23,6 +23,8 @@ def has_lamps_on(scene: Scene, actor_id: str) -> bool:
     )
     if is_bright:
         return False
+    if actor_id == "ego":
+        return True
     behaviours = {actor.id: (actor.behaviour.name, actor.state) for actor in scene.actors}
     name, state = behaviours.get(actor_id, ("stand", ""))
     return state != "unlit" and (name != "stand" or state not in ("", "off"))

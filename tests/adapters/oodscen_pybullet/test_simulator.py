@@ -243,3 +243,14 @@ def test_gestures_go_on_and_lying_people_are_low_and_elsewhere_both_are_refused(
     assert np.nonzero(lying.ids == 2)[0].min() > np.nonzero(plain.ids == 2)[0].min() + 3
     flat = FlatSimulator().catalogue().lacks(scene)
     assert "actors[0].details.pose" in [issue.path for issue in flat]
+
+
+def test_from_outside_the_ego_lights_the_road_by_its_own_lamps(
+    simulator: PyBulletSimulator, make_scene: MakeScene, make_actor: MakeActor
+) -> None:
+    scene = make_scene(make_actor("cone", 60.0), road="rural_curve", sun_elevation_deg=-20.0)
+    simulator.reset(scene, 0)
+    image = simulator.draw(Camera.above(200, 150, x=0.0, z=40.0)).rgb.astype(int)
+    ahead, behind = image[20:60, 95:105].mean(), image[90:130, 95:105, 1:].mean()
+    assert ahead > behind + 15
+    assert image[:, :40].mean() < 20

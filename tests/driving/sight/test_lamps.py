@@ -28,6 +28,8 @@ def test_who_drives_has_lamps_on_when_it_is_hard_to_see():
         assert not has_lamps_on(scene("stand", "off", weather), BOX.id)
         assert has_lamps_on(scene("stand", "hazard", weather), BOX.id)
         assert not has_lamps_on(scene("follow_lane", weather=weather), "nobody")
+        assert has_lamps_on(scene("stand", weather=weather), "ego")
+    assert not has_lamps_on(scene("follow_lane"), "ego")
 
 
 @given(st.floats(0, 40), st.floats(-9, 3))

@@ -2,6 +2,8 @@
 
 import itertools
 
+import numpy as np
+
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs import assemble
 from oodscen_pybullet._meshes.look import Appearance
@@ -13,14 +15,17 @@ def ego_car(mesh: MeshBuilder, shown: Appearance) -> None:
     built = assemble("car", shown).build()
     low, high = built.bounds
     size = high - low
-    scale = (4.5 / size[0], 1.85 / size[1], 1.5 / size[2])
+    middle, scale = (low + high) / 2 * (1, 1, 0), (4.5 / size[0], 1.85 / size[1], 1.5 / size[2])
     scaled = Mesh(
-        vertices=(built.vertices - (low + high) / 2 * (1, 1, 0)) * scale,
+        vertices=(built.vertices - middle) * scale,
         normals=built.normals,
         uvs=built.uvs,
         triangles=built.triangles,
     )
     mesh.add_surface(scaled)
+    for lamp in built.lamps:
+        x, y, z = ((np.array(lamp.position) - middle) * scale).tolist()
+        mesh.lamp((x, y, z), lamp.colour, lamp.facing, lamp.power, by_day=lamp.by_day)
 
 
 def bonnet() -> MeshBuilder:

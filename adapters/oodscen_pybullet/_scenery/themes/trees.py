@@ -8,14 +8,22 @@ from oodscen_pybullet._scenery.placing import RoadsidePlace, Site
 from oodscen_pybullet._scenery.themes.streets import SIDES
 
 Tree = Literal["broad", "tall", "street", "conifer", "bush", "thicket"]
-"""Kinds of trees: broad-leaved ones, taller ones, and ones pruned as in streets; firs; and what is lower."""
+"""Kinds of trees.
+
+- `broad`: a broad-leaved tree
+- `tall`: a taller one
+- `street`: one pruned as in streets
+- `conifer`: a fir
+- `bush`: a bush
+- `thicket`: the edge of a distant wood
+"""
 _RADII_M: dict[Tree, float] = {"bush": 0.5, "thicket": 7.0}
 """Radius that a kind needs, m; others need `_RADIUS_M`."""
 _RADIUS_M = 0.9
 _WOOD: tuple[Tree, ...] = ("broad", "broad", "broad", "tall", "conifer", "conifer")
 """The trees of a wood, all equally likely."""
 _FAR_OUT_M = 14.0
-"""Distance from the road above which trees have few triangles, and no bushes stand, m."""
+"""Distance from the road above which broad-leaved trees have few triangles, and no bushes stand, m."""
 
 
 def add_tree(
@@ -50,7 +58,13 @@ def add_tree(
 
 
 def add_woods(site: Site, way: Way, reach: tuple[float, float]) -> None:
-    """Add scattered trees and bushes on both sides."""
+    """Add scattered trees and bushes on both sides.
+
+    Args:
+        site: Receives them.
+        way: The road.
+        reach: Least and greatest distance away from the road, m.
+    """
     near, far = reach
     for side in SIDES:
         for spot in site.spots(way, side, 15.0, jitter=6.0):
@@ -65,11 +79,14 @@ def add_woods(site: Site, way: Way, reach: tuple[float, float]) -> None:
 
 
 def add_horizon(site: Site, out: float) -> None:
-    """Add the edges of distant woods along the ego's road."""
-    way = site.ground.ego
-    has_bridge = any(structure.kind == "bridge" for structure in way.corridor.structures)
+    """Add the edges of distant woods along the ego's road, but none beside bridges.
+
+    Args:
+        site: Receives them.
+        out: Least distance away from the road, m.
+    """
     for side in SIDES:
-        for spot in site.spots(way, side, 24.0, jitter=5.0):
+        for spot in site.spots(site.ground.ego, side, 24.0, jitter=5.0):
             far = out + 55.0 * float(site.rng.uniform())
-            if not (has_bridge and site.is_spanned(spot, 8.0)):
+            if not site.is_spanned(spot, 8.0, ("bridge",)):
                 add_tree(site, spot, 0.0, far, 24.0, "thicket")

@@ -287,6 +287,16 @@ def test_the_lamps_of_a_staged_scene_are_its_own(staged):
     assert staged.get("get_vehicle_light_state", hero) == [0]
 
 
+def test_a_clients_vehicle_is_lit_in_a_staged_scene_too(staged):
+    car = staged.spawn(CAR, 500.0, 500.0)
+    plain = staged.world.scene()
+    assert plain.actors == staged.world.staged.scene.actors
+    staged.get("set_vehicle_light_state", car, [3])
+    *before, lit = staged.world.scene().actors
+    assert tuple(before) == plain.actors
+    assert lit.id == staged.world.actors[car].name
+
+
 def test_a_client_sets_the_heros_speed_and_the_friction_of_a_staged_scene(staged):
     world = staged.world
     hero = next(
@@ -316,6 +326,20 @@ def test_a_client_sets_the_heros_speed_and_the_friction_of_a_staged_scene(staged
         for _ in range(5):
             staged.get("tick_cue")
         assert all(map(math.isfinite, (*hero.place.location, hero.speed)))
+
+
+@pytest.mark.parametrize("ticks_before", [0, 1])
+def test_the_hero_keeps_the_speed_that_it_was_given_until_the_first_control(staged, ticks_before):
+    hero = next(actor for actor in staged.world.actors.values() if actor.staged)
+    staged.get("set_episode_settings", [True, *staged.world.settings.wire()[1:]])
+    for _ in range(ticks_before):
+        staged.get("tick_cue")
+    yaw = math.radians(hero.place.rotation[1])
+    velocity = [12.0 * math.cos(yaw), 12.0 * math.sin(yaw), 0.0]
+    staged.get("set_actor_target_velocity", hero.id, velocity)
+    for _ in range(20):
+        staged.get("tick_cue")
+    assert hero.speed == pytest.approx(12.0, abs=0.1)
 
 
 def test_after_the_last_client_the_world_begins_again(staged):

@@ -39,6 +39,27 @@ def test_a_vehicle_keeps_its_paint_and_lamps_where_a_camera_is_attached_to_it(si
     assert np.array_equal(attached.rgb, free.rgb)
 
 
+def test_cameras_see_by_the_beams_of_the_vehicle_that_carries_them_if_its_lamps_are_on(simulator):
+    catalogue = simulator.catalogue()
+    road_map = next(each for each in catalogue.maps if each.id == "residential_two_lane")
+    road = load_corridor(road_map.id, catalogue)
+    night = Weather(sun_elevation_deg=-20.0)
+    dark, lit = (
+        street_scene(road_map, catalogue, night, vehicles)
+        for vehicles in ([], [LitVehicle("taxi7", catalogue.ego.id)])
+    )
+    x, y, z, yaw = road.point(road.start + 10.0, 0.0)
+    view = View(Camera(width=160, height=120, x=0.0, z=0.0), (x, y, z + 2.0, yaw), 0.0, 0.0)
+    bodies = [PicturedBody(2, "taxi7", catalogue.ego, "", (x, y, z, yaw), 0.0, 0.0)]
+    renderer, bright = CameraRenderer(simulator), {}
+    for name, scene, shown in (("free", dark, []), ("unlit", dark, bodies), ("lit", lit, bodies)):
+        frame, _ = renderer.take(scene, 0, shown, view, has_host=bool(shown))
+        bright[name] = frame.rgb[88:116, 60:100].mean()
+    assert bright["free"] < 20
+    assert bright["unlit"] == pytest.approx(bright["free"], abs=1.0)
+    assert bright["lit"] > 60
+
+
 def test_no_two_bodies_of_a_picture_have_one_name(simulator, monkeypatch):
     catalogue, names = simulator.catalogue(), []
     road_map = catalogue.maps[0]

@@ -54,6 +54,35 @@ def test_two_medians_that_touch_have_no_kerb_between_them() -> None:
     assert edges.min() == pytest.approx(1.0 - 0.16)
 
 
+@pytest.mark.parametrize("is_reversed", [False, True])
+def test_where_one_of_two_medians_that_touch_ends_its_end_is_closed_and_no_kerb_crosses_the_road(
+    is_reversed: bool,
+) -> None:
+    laid, halfway = ribbons(), [True] * 3 + [False] * 3
+    where = halfway[::-1] if is_reversed else halfway
+    kerb_medians(laid, [band(-1.0, 0.0, [True] * PIECES), band(0.0, 2.0, where)])
+    tops, sides = faces(laid, "kerb"), faces(laid, "kerb_side")
+    assert np.ptp(tops[:, :, 1], axis=1).max() < 0.17
+    outer = tops[(tops[:, :, 1] > 1.0).all(axis=1)]
+    begins, ends = (9.0, 18.0) if is_reversed else (0.0, 9.0)
+    assert outer[:, :, 0].min() == begins
+    assert outer[:, :, 0].max() == ends
+    across = sides[(np.ptp(sides[:, :, 0], axis=1) < 1e-9) & (sides[:, :, 0] == 9.0).all(axis=1)]
+    assert len(across) == 2
+    assert (across[:, :, 1].min(), across[:, :, 1].max()) == (0.0, 2.0)
+    turn = np.cross(across[0, 1] - across[0, 0], across[0, 2] - across[0, 0])[0]
+    assert (turn < 0.0) == is_reversed
+
+
+def test_a_median_that_goes_on_elsewhere_is_closed_at_both_ends() -> None:
+    laid, first = ribbons(), [True] * 3 + [False] * 3
+    kerb_medians(laid, [band(-2.0, -1.0, first), band(1.0, 2.0, first[::-1])])
+    assert np.ptp(faces(laid, "kerb")[:, :, 1], axis=1).max() < 0.17
+    sides = faces(laid, "kerb_side")
+    across = sides[(np.ptp(sides[:, :, 0], axis=1) < 1e-9) & (sides[:, :, 0] == 9.0).all(axis=1)]
+    assert sorted(set(across[:, :, 1].ravel().tolist())) == [-2.0, -1.0, 1.0, 2.0]
+
+
 def test_medians_beside_a_lane_have_kerbs_of_their_own_and_leave_the_lane_free() -> None:
     s = np.linspace(0.0, 240.0, 241)
     edges = (("driving", -6.0, -3.0), ("median", -3.0, -2.0), ("driving", -2.0, 2.0),

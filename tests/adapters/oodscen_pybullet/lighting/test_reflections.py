@@ -2,13 +2,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from oodscen_pybullet._lighting.reflections import add_reflections
+from oodscen_pybullet._lighting.reflections import add_reflections, grazing_depth
 from oodscen_pybullet._rendering.triangles import GROUND, MIRROR, PLAIN, SHELTERED, SOFT
 from oodscen_pybullet._rendering.view import CameraView
 
 from oodscen.protocols import Camera
 
 VIEW = CameraView.of(Camera(width=80, height=60, pitch_deg=0.0), (0.0, 0.0, 0.0, 0.0))
+HALF = grazing_depth(1.4)
 
 
 def mirror(kind: int, wet: float) -> np.ndarray:
@@ -24,12 +25,38 @@ def mirror(kind: int, wet: float) -> np.ndarray:
         image,
         depth,
         kinds,
+        HALF,
         np.float32(wet),
         np.float32(0.0),
         np.uint32(1),
     )
     assert (image[is_wall] == [200, 0, 0]).all()
     return image[~is_wall]
+
+
+def test_ground_seen_at_the_same_angle_from_higher_up_mirrors_as_much() -> None:
+    shares = []
+    for scale in (1.0, 5.0):
+        depth = np.full((40, 8), 60.0 * scale, np.float32)
+        depth[20:] = (28.0 * scale / (0.5 + np.arange(20)))[:, None]
+        kinds = np.where(depth < 60.0 * scale, GROUND, PLAIN).astype(np.uint8)
+        image = np.where(kinds[..., None] == PLAIN, 200, 0).repeat(3, axis=2).astype(np.uint8)
+        half = grazing_depth(1.4 * scale)
+        add_reflections(
+            image, depth, kinds, half, np.float32(0.6), np.float32(0.0), np.uint32(1)
+        )  # fmt: skip
+        shares.append(image[20:])
+    assert shares[0].max() > 40
+    assert (shares[0] == shares[1]).all()
+
+
+def test_the_higher_the_eye_is_the_less_ground_at_a_distance_mirrors() -> None:
+    distance, halves = 15.0, [float(grazing_depth(height)) for height in (0.0, 1.4, 3.0, 8.0)]
+    shares = [(distance / (distance + half)) ** 2 for half in halves]
+    assert halves[1] == 13.0
+    assert shares[0] < 1.0
+    assert shares == sorted(shares, reverse=True)
+    assert shares[3] < 0.1 * shares[1]
 
 
 def test_dry_ground_mirrors_nothing() -> None:
@@ -47,7 +74,7 @@ def test_wet_ground_takes_the_colour_of_what_stands_on_it_and_water_more_so() ->
 def test_a_picture_of_ground_only_mirrors_nothing(kind: int) -> None:
     image = np.full((40, 8, 3), 100, np.uint8)
     depth, kinds = np.full((40, 8), 30.0, np.float32), np.full((40, 8), kind, np.uint8)
-    add_reflections(image, depth, kinds, np.float32(0.6), np.float32(0.0), np.uint32(1))
+    add_reflections(image, depth, kinds, HALF, np.float32(0.6), np.float32(0.0), np.uint32(1))
     assert (image == 100).all()
 
 
@@ -64,7 +91,7 @@ def test_the_sky_is_mirrored_paler_than_it_is() -> None:
     image = np.full((40, 8, 3), 60, np.uint8)
     image[:20] = (90, 150, 220)
     add_reflections(
-        image, depth, kinds, np.float32(0.0), np.float32(0.0), np.uint32(1)
+        image, depth, kinds, HALF, np.float32(0.0), np.float32(0.0), np.uint32(1)
     )  # fmt: skip
     water = image[30].astype(int)
     assert (water[:, 2] > water[:, 0]).all()
@@ -80,7 +107,7 @@ def graded(kind: int, wet: float, seed: int = 1, gain: float = 0.0, lamp: int = 
     kinds = np.full((40, 30), PLAIN, np.uint8)
     kinds[20:] = kind
     add_reflections(
-        image, depth, kinds, np.float32(wet), np.float32(gain), np.uint32(seed)
+        image, depth, kinds, HALF, np.float32(wet), np.float32(gain), np.uint32(seed)
     )  # fmt: skip
     return image[20:, :, 0].astype(int)
 
@@ -104,6 +131,7 @@ def layered(*layers: tuple[int, int, float, int]) -> np.ndarray:
         image,
         np.broadcast_to(depth[:, None], (len(depth), 8)).astype(np.float32),
         np.broadcast_to(kinds[:, None], (len(kinds), 8)).astype(np.uint8),
+        HALF,
         np.float32(0.6),
         np.float32(0.0),
         np.uint32(1),
@@ -144,7 +172,7 @@ def test_plain_and_compiled_code_give_the_same_bits(seed: int, wet: float, gain:
     kinds = rng.choice([PLAIN, GROUND, MIRROR, GROUND + SOFT], (24, 16)).astype(np.uint8)
     plain = image.copy()
     for picture, run in ((image, add_reflections), (plain, add_reflections.plain)):
-        run(picture, depth, kinds, np.float32(wet), np.float32(gain), np.uint32(seed))
+        run(picture, depth, kinds, HALF, np.float32(wet), np.float32(gain), np.uint32(seed))
     assert (image == plain).all()
 
 
@@ -157,7 +185,7 @@ def test_a_rough_road_scatters_what_it_mirrors_by_its_seed() -> None:
     roads = []
     for seed in (1, 1, 2):
         road = image.copy()
-        add_reflections(road, depth, kinds, np.float32(1.0), np.float32(0.0), np.uint32(seed))
+        add_reflections(road, depth, kinds, HALF, np.float32(1.0), np.float32(0.0), np.uint32(seed))
         roads.append(road[20:, :, 0].astype(int))
     assert (roads[0] == roads[1]).all()
     assert (roads[0] != roads[2]).any()

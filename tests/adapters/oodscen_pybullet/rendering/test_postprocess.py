@@ -94,6 +94,40 @@ def test_a_lamp_lights_what_is_below_it() -> None:
     assert bright[28, 40].astype(int).sum() > dark[28, 40].astype(int).sum() + 30
 
 
+@pytest.mark.parametrize(
+    ("pitch_deg", "roll_deg"), [(15.0, 0.0), (40.0, 25.0), (60.0, -15.0), (90.0, 0.0)]
+)
+def test_the_light_of_a_street_lamp_lies_below_it_in_pictures_of_tilted_cameras(
+    pitch_deg: float, roll_deg: float
+) -> None:
+    camera = Camera(width=120, height=90, fov_deg=80.0, x=0.0, z=12.0, pitch_deg=pitch_deg)
+    view = replace(CameraView.of(camera, (0.0, 0.0, 0.0, 0.0), roll_deg), is_lit=False)
+    across, upwards = view.slopes()
+    rise = view.forward[2] + upwards[:, None] * view.up[2] + across * view.right[2]
+    depth = np.where(rise < -0.05, -12.0 / np.minimum(rise, -0.05), np.inf).astype(np.float32)
+    raw = plain_shot(view, 0.0, kinds=GROUND, colour=120)
+    raw.depth[:], raw.reach[:] = depth, depth
+    foot = (12.0, 3.0, 0.0) if pitch_deg < 90.0 else (-4.0, 3.0, 0.0)
+    lamp = Lamp((*foot[:2], 8.0), (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), 2.0, is_street=True)
+    night = Weather(sun_elevation_deg=-20.0)
+    light = Light.of(night, 0.0, reflects_snow=False)
+    dark, lit = (
+        develop(RawPicture(raw, view, night, light, lamps, 0.5, 1, road_height=0.0)).astype(int)
+        for lamps in ((), (lamp,))
+    )
+    # The lamp's own glow in the picture is white as well.
+    spot, glow = view.pixel(foot), view.pixel(lamp.position)
+    assert spot is not None
+    gain = (lit - dark)[..., 0].astype(float)
+    rows, columns = np.mgrid[:90, :120] + 0.5
+    if glow is not None:
+        gain[(columns - glow[0]) ** 2 + (rows - glow[1]) ** 2 < 15.0**2] = 0.0
+    share = np.where(gain > 0.8 * gain.max(), gain, 0.0)
+    assert gain.max() > 20
+    x, y = (float((share * grid).sum() / share.sum()) for grid in (columns, rows))
+    assert math.dist((x, y), spot[:2]) < 12.0
+
+
 def test_ground_gets_wet_wherever_it_is_and_grass_and_tunnels_do_not() -> None:
     rain = {"precipitation": "rain", "precipitation_mm_h": 1.0}
     looks = {

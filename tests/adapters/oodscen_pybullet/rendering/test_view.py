@@ -21,7 +21,6 @@ def test_the_axes_are_orthonormal_and_look_along_the_yaw(
     assert np.linalg.det(np.array([view.right, view.up, -axes[2]])) == pytest.approx(1.0)
     heading = math.atan2(view.forward[1], view.forward[0])
     assert math.cos(heading - yaw - math.radians(turn)) == pytest.approx(1.0)
-    assert view.is_lit == (abs(turn) < 90.0)
 
 
 @given(across=st.floats(-0.5, 0.5), upwards=st.floats(-0.4, 0.4), ahead=st.floats(1, 200))

@@ -1,6 +1,7 @@
 """Rectangles that things claim beside a straight road along x."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from hypothesis import given, settings
@@ -8,8 +9,9 @@ from hypothesis import strategies as st
 from oodscen_pybullet._land.ground import Ground
 from oodscen_pybullet._land.terrain import Terrain
 from oodscen_pybullet._scenery.placing import FAR_M, RoadsidePlace, Site
+from oodscen_pybullet._scenery.themes import trees
 
-from oodscen.driving._roads.corridor import Corridor, LaneStrip
+from oodscen.driving._roads.corridor import Corridor, LaneStrip, Structure
 
 LENGTH_M, WIDTH_M, START_M = 400.0, 7.0, 60.0
 S = np.linspace(0.0, LENGTH_M, 401)
@@ -99,3 +101,13 @@ def test_a_spot_is_far_ahead_behind_or_aside() -> None:
     assert is_far(START_M + FAR_M + 1.0, 5.0)
     assert is_far(START_M - 41.0, 5.0)
     assert is_far(START_M, 0.36 * FAR_M)
+
+
+def test_the_horizon_is_wooded_beside_a_tunnel_and_not_beside_a_bridge(monkeypatch) -> None:
+    places: list[float] = []
+    monkeypatch.setattr(trees, "add_tree", lambda site, spot, *others: places.append(spot.s))
+    tunnel, bridge = Structure("tunnel", 100.0, 200.0), Structure("bridge", 250.0, 350.0)
+    ground = Ground(replace(ROAD, structures=(tunnel, bridge)))
+    trees.add_horizon(Site(ground, TERRAIN, np.random.default_rng(0)), 70.0)
+    assert sum(100.0 < s < 200.0 for s in places) >= 4
+    assert not any(250.0 < s < 350.0 for s in places)
