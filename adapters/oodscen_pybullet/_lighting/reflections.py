@@ -3,6 +3,7 @@
 import numpy as np
 
 from oodscen.numerics._kernels import Kernel, inlined
+from oodscen_pybullet._rendering.optics import mixed
 from oodscen_pybullet._rendering.triangles import GROUND, MIRROR, SHELTERED, SOFT
 from oodscen_pybullet._types import F32, I32, U8
 
@@ -20,8 +21,6 @@ _PALE, _PALE_GREY = np.float32(0.7), np.float32(0.93)
 """Share of grey in mirrored sky, which is pale near the horizon, and the brightness of that grey."""
 _LAMP = np.float32(205.0)
 """Value above which a pixel counts as a lamp."""
-_HASH = np.uint64(2654435761)
-"""Multiplier of Knuth's multiplicative hash."""
 
 
 def grazing_depth(eye_height: float) -> np.float32:
@@ -89,8 +88,7 @@ def add_reflections(
             if is_water:
                 column, share, keep = x, _WATER + _WATER_GRAZING * grazing, _RIPPLE
             else:
-                noise = (np.uint64(y * width + x) + np.uint64(seed)) * _HASH
-                shift = int((noise >> np.uint64(16)) % np.uint64(3)) - 1
+                shift = int(mixed(np.uint32(y * width + x) ^ seed) % np.uint64(3)) - 1
                 column = min(max(x + shift, 0), width - 1)
                 share, keep = wet * grazing * grazing, _SMEAR
             source = max(2 * mirror_row + 1 - y, 0)

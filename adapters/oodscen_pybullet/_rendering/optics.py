@@ -24,6 +24,8 @@ CLOUD_GAIN = np.float32(0.22)
 """Growth of a cloud's brightness with its density."""
 _CLOUD_STEEP = np.float32(3.2)
 """1 / density above its beginning at which a cloud hides the sky."""
+_LAMPS_M = np.float32(1.5)
+"""Distance from the camera at which the ego's beams begin, and a metre before they are whole, m."""
 _BEAM_HALVED = np.float32(1.0 / 36.0)
 """1 / distance at which the ego's beams are half as bright, 1/m."""
 _CUT_OFF, _CUT_SOFT, _CUT_SPREAD = np.float32(0.9), np.float32(0.25), np.float32(0.03)
@@ -51,11 +53,12 @@ def fade(optical_depth: Any) -> Any:
 
 @inlined
 def beam(near: Any, height: Any, spread: Any, strength: Any) -> Any:
-    """Return the ego's low-beam light on a surface; the beams have a soft cut-off in height."""
+    """Return the ego's low-beam light on a surface; the beams have a soft cut-off in height, and miss the bonnet."""
     reach = near * _BEAM_HALVED
     cut = (_CUT_OFF - height) / (_CUT_SOFT + near * _CUT_SPREAD)
     cut = np.minimum(np.maximum(cut, _ZERO), _ONE)
-    return strength * spread / (_ONE + reach * reach) * (_STRAY + _BELOW * cut)
+    before = np.minimum(np.maximum(near - _LAMPS_M, _ZERO), _ONE)
+    return before * strength * spread / (_ONE + reach * reach) * (_STRAY + _BELOW * cut)
 
 
 @inlined
@@ -65,11 +68,18 @@ def cloud_share(cloud: Any, edge: Any, floor: Any) -> Any:
     return np.maximum(np.minimum(np.maximum(share, _ZERO), _ONE), floor)
 
 
+_LOW_BITS = np.uint64(0xFFFF_FFFF)
+
+
+@inlined
+def mixed(number: Any) -> Any:
+    """Return 32 random bits as uint64, the same for the same number; uint32 in."""
+    bits = np.uint64(number) * np.uint64(2654435761) & _LOW_BITS
+    bits = (bits ^ (bits >> np.uint64(15))) * np.uint64(2246822519) & _LOW_BITS
+    return bits ^ (bits >> np.uint64(13))
+
+
 @inlined
 def grain(number: Any) -> Any:
     """Return noise between -4 and 4 from a pixel's index; uint32 in."""
-    # numba multiplies in 64 bits, NumPy in 32.
-    mixed = np.uint32(number * np.uint32(2654435761))
-    mixed = np.uint32((mixed ^ (mixed >> np.uint32(15))) * np.uint32(2246822519))
-    mixed = np.uint32(mixed ^ (mixed >> np.uint32(13)))
-    return np.float32(mixed % np.uint32(2 * _GRAIN + 1)) - np.float32(_GRAIN)
+    return np.float32(mixed(number) % np.uint64(2 * _GRAIN + 1)) - np.float32(_GRAIN)
