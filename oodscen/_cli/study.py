@@ -207,7 +207,9 @@ def run(
     if is_new:
         _tell_outlook(config.simulator)
     if dry_run:
-        rows = estimate(out, config, RunOptions(workers=workers or 1, limits=limits))
+        with bars() as progress:
+            options = RunOptions(workers=workers or 1, limits=limits, progress=progress)
+            rows = estimate(out, config, options)
         say(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
         return
     ledger = Ledger()

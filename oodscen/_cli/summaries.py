@@ -131,13 +131,13 @@ def _notes(board: "Leaderboard") -> list[str]:
         if gains:
             notes.append(f"{row.model} over itself without pictures: {', '.join(gains)}")
     if board.judge:
+        judge = board.judge.rpartition("@")[0]
         unjudged = sum(row.identification.unjudged for row in board.standings)
-        rest = (
-            f"; it gave no usable answer about {unjudged}, which the matcher scored"
-            if unjudged
-            else ""
-        )
-        notes.append(f"names it: judged by {board.judge.rpartition('@')[0]}, in every row{rest}")
+        note = f"names it: judged by {judge}, in every row"
+        if not any(row.identification.judged for row in board.standings):
+            note = f"names it: scored by the matcher, as {judge} judged nothing"
+        rest = f"; it gave no usable answer about {unjudged}, which the matcher scored"
+        notes.append(note + (rest if unjudged else ""))
     if board.whole:
         notes.append(
             f"paper: the hazard can be seen in a frame of {board.whole_shown} of {board.whole} scenes"

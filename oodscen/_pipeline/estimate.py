@@ -79,7 +79,8 @@ def estimate(
         authors = {
             name: _PricedAuthor(name, config.seed, prices) for name in names if is_asked(name)
         }
-        pipeline = Pipeline(folder, config, RunOptions(models={**options.models, **authors}))
+        stand_ins = {**options.models, **authors}
+        pipeline = Pipeline(folder, config, RunOptions(models=stand_ins, progress=options.progress))
         try:
             pipeline.prepare()
         except StudyMismatch as error:

@@ -11,6 +11,9 @@ from oodscen.encoders._similarity import Vectors, unit
 from oodscen.errors import EncoderError, UsageError
 from oodscen.protocols import Encoder
 
+LEAST_COSINE = 0.9
+"""Least cosine of the vectors of one text in two calls; eight-bit models differ a little from batch to batch."""
+
 
 def encode(encoder: Encoder, texts: Sequence[str]) -> NDArray[np.float32]:
     """Return the embeddings of texts, after checking the encoder's output.
@@ -45,6 +48,27 @@ def dimension(encoder: Encoder) -> int:
 def unit_embeddings(encoder: Encoder, texts: Sequence[str]) -> Vectors:
     """Return the checked embeddings of texts, scaled to unit length; a zero row stays zero."""
     return unit(encode(encoder, texts))
+
+
+def check_rows(encoder: Encoder, texts: Sequence[str], vectors: NDArray[np.float32]) -> None:
+    """Check on the shortest and the longest text that each has the vector that it has alone.
+
+    Args:
+        encoder: The encoder that made the vectors.
+        texts: The texts of one call.
+        vectors: [n, d], checked.
+
+    Raises:
+        EncoderError: If a row belongs to another text, or changes from call to call.
+    """
+    by_length = sorted(range(len(texts)), key=lambda index: len(texts[index]))
+    for index in (by_length[0], by_length[-1]):
+        pair = unit(np.vstack([vectors[index], encode(encoder, [texts[index]])]))
+        if pair.any() and float(pair[0] @ pair[1]) < LEAST_COSINE:
+            raise EncoderError(
+                f"{encoder.name} gave text {index} of {len(texts)} another vector than when it is alone: "
+                "row i must belong to text i, and be the same in every call"
+            )
 
 
 def check_embeddings(vectors: object, n: int, encoder: Encoder) -> NDArray[np.float32]:

@@ -6,6 +6,7 @@ from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import twin_id
 from oodscen.errors import UsageError
 from oodscen.judging._drive_requirements import DRIVE_FIGURES, drive_requirements
+from oodscen.judging._leaderboard.figures import FAULTS
 from oodscen.judging._leaderboard.requirements import parse_requirement
 
 
@@ -46,7 +47,8 @@ def test_figures_are_shares_of_what_was_driven() -> None:
         "needless": 0.0,
         "critical": 0.0,
     }.items():
-        (bar,) = grade(rows, f"{figure}>=0.5").bars
+        sign = "<=" if figure in FAULTS else ">="
+        (bar,) = grade(rows, f"{figure}{sign}0.5").bars
         assert (bar.share, bar.items, bar.missing) == (share, 20, 0), figure
 
 

@@ -438,3 +438,26 @@ def test_the_default_metrics_are_pickled_without_their_model_and_vectors(monkeyp
     data = pickle.dumps(metrics)
     assert len(data) < metrics.baseline_vectors.nbytes
     assert pickle.loads(data).oodness(["A deer runs."]) == metrics.oodness(["A deer runs."])
+
+
+class Sorted(Directions):
+    """Sorts its texts by length, and forgets to sort the rows back."""
+
+    def encode(self, texts):
+        return super().encode(sorted(texts, key=len))
+
+
+class Random(Directions):
+    """Gives a text another vector in every call."""
+
+    def __init__(self):
+        self.rng = np.random.default_rng(0)
+
+    def encode(self, texts):
+        return self.rng.normal(size=(len(texts), 7)).astype(np.float32)
+
+
+@pytest.mark.parametrize("encoder", [Sorted(), Random()])
+def test_an_encoder_that_mixes_up_rows_or_changes_them_is_named(encoder):
+    with pytest.raises(EncoderError, match=r"directions gave text . of 3 another vector"):
+        Metrics(encoder, ["a", "bb"]).oodness(["A car that waits.", "A deer.", "A bus turns."])

@@ -11,7 +11,7 @@ from oodscen.judging._leaderboard.rows import Rate
 from oodscen.statistics._intervals import FEWEST_CLUSTERS, share_interval
 from oodscen.statistics._resampling import Resampler
 
-FAULTS = frozenset(("needless", "alarms"))
+FAULTS = frozenset(("needless", "alarms", "critical"))
 """Figures that count faults: less is better, and a missing answer is at worst one more."""
 
 

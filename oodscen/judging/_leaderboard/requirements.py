@@ -20,6 +20,7 @@ from oodscen.data._scenario import Scenario
 from oodscen.data._verdict import Verdict, is_without_pictures
 from oodscen.errors import UsageError
 from oodscen.judging._items import AnswerColumns, Floats, Items, Mask, judged_episodes
+from oodscen.judging._leaderboard.figures import FAULTS
 from oodscen.judging._leaderboard.figures import figures as figures_of
 from oodscen.statistics._bar_test import p_below, times_needed
 
@@ -102,7 +103,8 @@ def parse_requirement(text: str, figures: Mapping[str, str] = FIGURES) -> tuple[
     """Return the bars of a text such as `safe>=0.9,needless<=5%`, each on one of some figures.
 
     Raises:
-        UsageError: If it is malformed, names an unknown figure, or holds bars that exclude each other.
+        UsageError: If it is malformed, names an unknown figure, asks for many faults or for few successes, or holds
+            two bars on one figure.
     """
     bars: list[Bar] = []
     for part in text.split(","):
@@ -115,22 +117,17 @@ def parse_requirement(text: str, figures: Mapping[str, str] = FIGURES) -> tuple[
             raise UsageError(f"no figure is called {name!r}; there are {', '.join(figures)}")
         if not 0 <= value <= 1:
             raise UsageError(f"the bar of {name} must lie between 0 and 1")
-        bars.append(Bar(figure=name, sign=sign, value=value))
-        _check_last(bars)
+        if name in FAULTS and sign == ">=":
+            raise UsageError(
+                f"{name} counts faults, of which less is better: write {name}<={number}{percent}"
+            )
+        if name not in FAULTS and sign == "<=":
+            raise UsageError(f"of {name}, more is better: write {name}>={number}{percent}")
+        bar = Bar(figure=name, sign=sign, value=value)
+        if twin := next((other for other in bars if other.figure == name), None):
+            raise UsageError(f"{twin} and {bar} are two bars on one figure; keep one")
+        bars.append(bar)
     return tuple(bars)
-
-
-def _check_last(bars: Sequence[Bar]) -> None:
-    """Raise an error if the last bar repeats an earlier one, or excludes it."""
-    *earlier, last = bars
-    for bar in earlier:
-        if bar.figure != last.figure:
-            continue
-        if bar.sign == last.sign:
-            raise UsageError(f"{bar} and {last} are two bars of one kind; keep one")
-        lower, upper = (bar, last) if bar.sign == ">=" else (last, bar)
-        if lower.value > upper.value:
-            raise UsageError(f"{bar} and {last} exclude each other")
 
 
 def requirements(

@@ -14,7 +14,7 @@ from oodscen.baselines._controls import load_controls
 from oodscen.baselines._embedded import EmbeddedBaseline
 from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.encoders._cached import CachedEncoder, cache_folder
-from oodscen.encoders._check import unit_embeddings
+from oodscen.encoders._check import check_rows, unit_embeddings
 from oodscen.encoders._similarity import Nearest, Rows, Vectors, nearest, smallest
 from oodscen.errors import UsageError
 from oodscen.metrics._detection.calibration import held_out_scores, separate_groups
@@ -55,10 +55,19 @@ class BaselineSpace:
         self._memory = encoder if isinstance(encoder, CachedEncoder) else CachedEncoder(encoder)
         self._held_out: dict[str, tuple[NDArray[np.float64], int]] = {}
         self._stores: dict[str, CachedEncoder] = {}
+        self._is_checked = False
 
     def vectors(self, texts: Sequence[str]) -> Vectors:
-        """Return the vectors of texts to score; they are kept in memory."""
-        return unit_embeddings(self._memory, texts)
+        """Return the vectors of texts to score; they are kept in memory.
+
+        Raises:
+            EncoderError: If the encoder fails, breaks its contract or mixes up the rows of the first texts.
+        """
+        vectors = unit_embeddings(self._memory, texts)
+        if len(texts) > 1 and not self._is_checked:
+            check_rows(self.encoder, texts, vectors)
+            self._is_checked = True
+        return vectors
 
     @cached_property
     def reference(self) -> Rows:

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen.errors import UsageError
+from oodscen.judging._leaderboard.figures import FAULTS
 from oodscen.judging._leaderboard.requirements import FIGURES, parse_requirement, requirements
 from tests.judging.cases import Case
 
@@ -104,7 +105,9 @@ def test_an_action_neither_safe_nor_unsafe_scores_neither_way():
 
 
 _CONTRADICTIONS = (
-    "safe>=0.9,safe<=0.5",
+    "safe<=0.5",
+    "needless>=5%",
+    "alarms>=0.5",
     "safe>=0.9,pick>=0.1,safe>=0.8",
     "needless<=1%,needless<=2%",
 )
@@ -118,12 +121,9 @@ def test_what_is_no_requirement_is_refused(text):
         parse_requirement(text)
 
 
-def test_a_figure_can_have_a_bar_on_either_side():
-    assert len(parse_requirement("notice>=0.5,notice<=0.5,safe>=0.9")) == 3
-
-
-@given(st.sampled_from(sorted(FIGURES)), st.sampled_from([">=", "<="]), st.integers(0, 100))
-def test_a_bar_reads_as_it_is_written(figure, sign, percent):
+@given(st.sampled_from(sorted(FIGURES)), st.integers(0, 100))
+def test_a_bar_reads_as_it_is_written(figure, percent):
+    sign = "<=" if figure in FAULTS else ">="
     (bar,) = parse_requirement(f" {figure} {sign} {percent}% ")
     assert (bar.figure, bar.sign, bar.value) == (figure, sign, percent / 100)
     assert parse_requirement(str(bar)) == (bar,)
