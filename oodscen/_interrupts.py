@@ -53,10 +53,14 @@ def raise_until_handled(interruption: Callable[[], KeyboardInterrupt]) -> NoRetu
 
 @contextmanager
 def unreported(kind: type[KeyboardInterrupt]) -> Iterator[None]:
-    """Drop interruptions of a kind without a report where Python drops them."""
+    """Drop interruptions of a kind without a report where Python drops them.
+
+    So are errors after an interruption: what it left half made may fail in its finaliser.
+    """
 
     def report(dropped: "sys.UnraisableHookArgs") -> None:
-        if not isinstance(dropped.exc_value, kind):
+        is_interrupted = signal.getitimer(signal.ITIMER_REAL)[1] == AGAIN_S
+        if not (is_interrupted or isinstance(dropped.exc_value, kind)):
             report_others(dropped)
 
     report_others, sys.unraisablehook = sys.unraisablehook, report

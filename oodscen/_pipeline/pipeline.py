@@ -18,6 +18,7 @@ from oodscen._pipeline.steps.texts import (
     describe,
     describe_sets,
     has_twins,
+    refuse_added,
     text_files,
     without_twin,
 )
@@ -193,6 +194,7 @@ class Pipeline:
             verdicts = map(Verdict.parse, self.store.lines("verdicts.jsonl"))
             refuse_changed_settings(self.study.config, self.config, verdicts)
         self.study.check()
+        refuse_added(self.store, self.config.per_path)
         refuse_late_outputs(self.store, self.context.options.outputs)
 
     def _save(self, status: Status, **more: Any) -> None:

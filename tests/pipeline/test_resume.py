@@ -267,16 +267,19 @@ def test_a_scene_that_cannot_be_taken_is_named(folder, change, error, words):
     assert Study(folder).info["status"] != "running"
 
 
-@pytest.mark.parametrize("number", ["777", "002", "001"])
+@pytest.mark.parametrize("number", ["777", "002", "001", ""])
 def test_a_text_that_was_added_by_hand_is_named(folder, number):
     rows = lines(folder, "scenarios.jsonl")
-    name = f"{rows[-1]['leaf']}-{number}"
+    name = f"{rows[-1]['leaf']}-{number or 777}"
     added = {**rows[-1], "id": name, "text": "A goat stands on the road."}
+    if not number:
+        del added["leaf"]
     rewrite(folder, "scenarios.jsonl", [*rows, added])
     before = content(folder)
     with pytest.raises(DataError, match=rf"line {len(rows) + 1}.*\n.*{name}' is one too many"):
         run(folder)
     assert content(folder) == before
+    assert Study(folder).info["status"] != "running"
 
 
 def test_a_round_that_does_not_fit_its_tree_is_named_before_anything_is_written(folder):

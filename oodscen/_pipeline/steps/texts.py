@@ -33,27 +33,34 @@ def describe(run: Context, tree: ScenarioTree) -> list[Scenario]:
         chosen = [leaves[index * len(leaves) // count] for index in range(count)]
         paths = {leaf: paths[leaf] for leaf in chosen}
     counts = dict.fromkeys(paths, run.config.per_path)
-    _refuse_added(run.store, paths, run.config.per_path)
     return _describe(run, "describe", "scenarios.jsonl", paths, counts, sample=0, is_shown=True)
 
 
-def _refuse_added(store: Store, paths: Collection[str], per_path: int) -> None:
-    """Refuse texts that were added by hand to a path, which the study would write over.
+def refuse_added(store: Store, per_path: int) -> None:
+    """Refuse texts that were added by hand, which the study would write over.
 
     Raises:
-        DataError: If a path has a text that is none of its own.
+        DataError: If `scenarios.jsonl` has a text that is none of its path's own.
     """
-    free = {(leaf, text_id(leaf, count)) for leaf in paths for count in range(1, per_path + 1)}
-    for number, line in enumerate(store.lines("scenarios.jsonl"), start=1):
+    seen = set()
+    for number, line in store.numbered("scenarios.jsonl"):
         leaf, name = line.get("leaf", ""), line["id"]
-        if leaf in paths and "error" not in line and (leaf, name) not in free:
+        if "error" in line:
+            continue
+        own = {text_id(leaf, count) for count in range(1, per_path + 1)}
+        if name not in own or name in seen:
+            path = (
+                f"the path {leaf!r} has {per_path} texts in this study"
+                if leaf
+                else "it has no leaf"
+            )
             fault = (
-                f"{name!r} is one too many: the path {leaf!r} has {per_path} texts in this study; remove the line, "
-                "and stage the text by itself with `oodscen augment`"
+                f"{name!r} is one too many: {path}; remove the line, and stage the text by itself with "
+                "`oodscen augment`"
             )
             source = f"{store.path('scenarios.jsonl')}, line {number}"
             raise DataError(Scenario.noun, [Issue("", fault)], source=source)
-        free.discard((leaf, name))
+        seen.add(name)
 
 
 def describe_sets(run: Context, tree: ScenarioTree) -> dict[int, list[Scenario]]:
