@@ -72,6 +72,8 @@ def object_lines(content: bytes) -> Iterator[tuple[int, dict[str, Any] | ValueEr
                 yield number, error
     if is_object(last):
         yield len(lines) + 1, parse_object(last)
+    elif b"\r" in last.rstrip():
+        yield len(lines) + 1, ValueError("lines end with CR alone, not with LF or CR LF")
 
 
 def is_object(text: bytes) -> bool:

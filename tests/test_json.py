@@ -79,3 +79,10 @@ def test_a_byte_order_mark_is_no_part_of_the_first_line(end: bytes) -> None:
     marked = BOM_UTF8 + b'{"a": 1}' + end
     assert parse_object(marked) == {"a": 1}
     assert list(object_lines(marked)) == [(1, {"a": 1})]
+
+
+def test_lines_that_end_with_cr_alone_are_no_torn_line() -> None:
+    ((number, error),) = object_lines(b'{"a": 1}\r{"a": 2}\r')
+    assert number == 1
+    assert "end with CR alone" in str(error)
+    assert not list(object_lines(b'{"a": 1, "b"'))
