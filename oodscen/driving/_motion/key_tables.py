@@ -99,7 +99,9 @@ def pose_first(w: Situation, i: int) -> bool:
         state[i, col.YAW] = quantised(wrapped(state[i, col.YAW] + values[YAW]))
         state[i, col.HEADING] = quantised(wrapped(state[i, col.HEADING] + values[YAW]))
     if frame in (START, LANE) and w.codes[i, col.THEN] != REPEAT:
-        sine, cosine = sincos(values[YAW])
+        # The keys lie along the frame, which an actor on the road need not face.
+        askew = traits[i, col.APART_YAW] if frame == LANE else 0.0
+        sine, cosine = sincos(askew + values[YAW])
         along, aside = (w.traits[first, col.SLOPE + axis] for axis in (AHEAD, LEFT))
         state[i, col.SPEED] = quantised((along * cosine + aside * sine) * traits[i, col.PACE])
     state[i, col.LIFT] = quantised(values[UP])
