@@ -22,7 +22,7 @@ _INSIDE_M = 1.4
 _SLOW = 0.6
 """Share of the ego's speed below which others are slow."""
 _ALONG_DEG, _TOWARDS_DEG = 45.0, 135.0
-"""Headings up to which somebody moves the ego's way, and from which against it, degrees."""
+"""Headings up to which an actor moves the ego's way, and from which against it, degrees."""
 _LONGEST = 120
 """Largest number of characters of a description."""
 _LOW_DEG = 12.0
@@ -83,7 +83,7 @@ def visible_of(
 
     `motions` has the looks of motions made to order, by id.
     """
-    known = _Known(
+    setting = _Setting(
         {asset.id: asset for asset in catalogue.assets},
         {kind.id: kind for kind in catalogue.behaviours},
         catalogue.details or DetailKinds(),
@@ -93,12 +93,12 @@ def visible_of(
     )
     visibles = [
         Visible(
-            what=_without_article(_described(actor, known)),
-            where=_where(actor, known.oncoming),
-            doing=_doing(actor, known),
+            what=_without_article(_described(actor, setting)),
+            where=_where(actor, setting.oncoming),
+            doing=_doing(actor, setting),
         )
         for actor in actors
-        if actor.id in hazard.actors and actor.asset in known.assets
+        if actor.id in hazard.actors and actor.asset in setting.assets
     ]
     if hazard.weather is not None:
         visibles += [
@@ -118,8 +118,8 @@ def visible_of_map(state: MapState | None) -> tuple[Visible, ...]:
     )
 
 
-class _Known(NamedTuple):
-    """All that the words for an actor depend on, besides the actor."""
+class _Setting(NamedTuple):
+    """The setting on which the words for an actor depend."""
 
     assets: Mapping[str, Asset]
     behaviours: Mapping[str, BehaviourKind]
@@ -140,13 +140,13 @@ def _shortened(text: str) -> str:
     return textwrap.shorten(text, _LONGEST, placeholder=" …")
 
 
-def _described(actor: Actor, known: _Known) -> str:
+def _described(actor: Actor, setting: _Setting) -> str:
     """Return an asset's description, with the details other than its pose."""
-    description = known.assets[actor.asset].description
+    description = setting.assets[actor.asset].description
     if actor.details is None:
         return description
     details = actor.details.model_copy(update={"pose": ""})
-    return described(description, details, known.assets, known.details)
+    return described(description, details, setting.assets, setting.details)
 
 
 def _oncoming_lanes(ego: Ego, map_id: str, catalogue: Catalogue) -> frozenset[int]:
@@ -176,30 +176,30 @@ def _where(actor: Actor, oncoming: Collection[int]) -> str:
     return f"in a lane to the {'left' if placement.lane > 0 else 'right'}"
 
 
-def _doing(actor: Actor, known: _Known) -> str:
+def _doing(actor: Actor, setting: _Setting) -> str:
     """Return what an actor does, in which pose and with which lights."""
-    asset = known.assets[actor.asset]
+    asset = setting.assets[actor.asset]
     usual = asset.states[0] if asset.states else ""
     state = actor.state or usual
     if state in _SIGNALS and asset.category in ("signal", "work_zone"):
         return _SIGNALS[state]
-    movement = _movement(actor, known)
-    pose = known.details.pose(actor.details.pose) if actor.details else None
+    movement = _movement(actor, setting)
+    pose = setting.details.pose(actor.details.pose) if actor.details else None
     if pose is not None:
         movement = pose.doing if movement == _STANDING else f"{movement}, {pose.doing}"
     lights = "" if state == usual else (_LIGHTS | _SIGNALS).get(state, "")
     return _shortened(f"{movement} {lights}")
 
 
-def _movement(actor: Actor, known: _Known) -> str:
+def _movement(actor: Actor, setting: _Setting) -> str:
     """Return the motion of an actor as the ego sees it: headings count from the actor's own lane."""
     does, placement = actor.behaviour, actor.placement
-    kind = known.behaviours.get(does.name)
+    kind = setting.behaviours.get(does.name)
     row = BUILT_IN.get(kind.built_in) if kind else None
     if kind is None or row is None:
-        return known.motions.get(does.name, "moving")
+        return setting.motions.get(does.name, "moving")
     heading_deg = 180.0 if row.code == Code.WRONG_WAY else placement.heading_deg
-    if placement.lane in known.oncoming:
+    if placement.lane in setting.oncoming:
         heading_deg += 180.0
     turned = abs(math.remainder(heading_deg, 360.0))
     if row.code in (Code.FOLLOW_LANE, Code.WRONG_WAY):
@@ -209,7 +209,7 @@ def _movement(actor: Actor, known: _Known) -> str:
             return _STANDING
         if turned > 90.0:
             return _TOWARDS_EGO
-        if speed < _SLOW * known.ego_speed:
+        if speed < _SLOW * setting.ego_speed:
             return "driving slowly" if placement.ahead_m < 0.0 else "driving slowly ahead"
         return _SAME_WAY
     if not row.has_side:
