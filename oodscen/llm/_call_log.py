@@ -107,7 +107,7 @@ class LoggedLLM(WrappingLLM):
             cached_tokens=usage.cached_tokens,
             cacheable_tokens=round(cacheable_share(request) * usage.input_tokens),
             cost_usd=usage.cost_usd,
-            requests=max(0, completion.requests) if completion else getattr(failure, "requests", 0),
+            requests=max(0, getattr(completion or failure, "requests", 0)),
             seconds=round(seconds, 6),
             time=asked_at.isoformat(timespec="seconds"),
         )

@@ -176,7 +176,7 @@ def _differences(written: object, read: object, path: str = "") -> Iterator[Issu
         if isinstance(read, int | float) and not isinstance(read, bool):
             yield Issue(path, "must be a number, not true or false")
     elif isinstance(written, dict) and isinstance(read, dict | BaseModel):
-        members = dict(read)
+        members = read if isinstance(read, dict) else vars(read)
         left_out = members.keys() - getattr(read, "model_fields_set", members.keys())
         for name, member in written.items():
             inner_path = f"{path}.{name[:80]}".strip(".")

@@ -1,13 +1,17 @@
 """The visible part of a hazard, in words: its things, their places and what they do, without their story."""
 
 import math
+import textwrap
 from collections.abc import Collection, Mapping
 from types import MappingProxyType
+from typing import NamedTuple
 
-from oodscen.data._catalogue import Asset, Catalogue
+from oodscen.claims._surroundings import HEAVY_RAIN, HEAVY_SNOW
+from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue
 from oodscen.data._details import DetailKinds, described
 from oodscen.data._map_state import MapPart, MapState
 from oodscen.data._scene import DARK_DEG, FOG_M, Actor, Ego, Hazard, Visible, Weather
+from oodscen.driving._motion.behaviour_codes import Code
 from oodscen.driving._motion.behaviours import BUILT_IN
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import ego_strip
@@ -18,13 +22,17 @@ _INSIDE_M = 1.4
 _SLOW = 0.6
 """Share of the ego's speed below which others are slow."""
 _ALONG_DEG, _TOWARDS_DEG = 45.0, 135.0
-"""Headings up to which a walker moves the ego's way, and from which against it, degrees."""
+"""Headings up to which an actor moves the ego's way, and from which against it, degrees."""
 _LONGEST = 120
 """Largest number of characters of a description."""
 _LOW_DEG = 12.0
 """Sun elevation below which the sun stands low, degrees."""
 _SLIPPERY = 0.5
 """Friction below which ice or water can be seen."""
+_HEAVY = {"rain": HEAVY_RAIN, "snow": HEAVY_SNOW}
+"""Rate from which precipitation is heavy, mm/h."""
+_STANDING, _SAME_WAY = BUILT_IN["stand"].doing, BUILT_IN["follow_lane"].doing
+_TOWARDS_EGO = BUILT_IN["wrong_way"].doing
 
 _PARTS: dict[MapPart, str] = {
     "street_lamps": "street lamps",
@@ -40,12 +48,15 @@ _FAULTS = {
     "missing": "missing",
 }
 """States of the map's own things, in words."""
-_STATES = {
+_LIGHTS = {
     "hazard": "with its hazard lights on",
     "beacon": "with its beacon flashing",
     "unlit": "without lights",
     "indicate_left": "indicating left",
     "indicate_right": "indicating right",
+}
+"""States of vehicles, in words."""
+_SIGNALS = {
     "off": "switched off",
     "all_on": "with all its lamps on",
     "flashing": "flashing",
@@ -56,10 +67,7 @@ _STATES = {
     "open": "open",
     "half": "stuck half-way",
 }
-"""States of actors, in words."""
-_SIGNAL_STATES = frozenset(
-    {"off", "all_on", "flashing", "red", "amber", "green", "closed", "open", "half"}
-)
+"""States of signals and gates, in words."""
 
 
 def visible_of(
@@ -75,17 +83,22 @@ def visible_of(
 
     `motions` has the looks of motions made to order, by id.
     """
-    assets = {asset.id: asset for asset in catalogue.assets}
-    kinds = catalogue.details or DetailKinds()
-    oncoming = _oncoming_lanes(ego, map_id, catalogue)
+    setting = _Setting(
+        {asset.id: asset for asset in catalogue.assets},
+        {kind.id: kind for kind in catalogue.behaviours},
+        catalogue.details or DetailKinds(),
+        motions,
+        _oncoming_lanes(ego, map_id, catalogue),
+        ego.speed,
+    )
     visibles = [
         Visible(
-            what=_without_article(_described(actor, assets, kinds)),
-            where=_where(actor, oncoming),
-            doing=_doing(actor, assets[actor.asset], ego.speed, kinds, motions),
+            what=_without_article(_described(actor, setting)),
+            where=_where(actor, setting.oncoming),
+            doing=_doing(actor, setting),
         )
         for actor in actors
-        if actor.id in hazard.actors and actor.asset in assets
+        if actor.id in hazard.actors and actor.asset in setting.assets
     ]
     if hazard.weather is not None:
         visibles += [
@@ -105,19 +118,35 @@ def visible_of_map(state: MapState | None) -> tuple[Visible, ...]:
     )
 
 
+class _Setting(NamedTuple):
+    """The setting on which the words for an actor depend."""
+
+    assets: Mapping[str, Asset]
+    behaviours: Mapping[str, BehaviourKind]
+    details: DetailKinds
+    motions: Mapping[str, str]
+    """The looks of motions made to order, by id."""
+    oncoming: Collection[int]
+    """Oncoming lanes, counted to the left of the ego's."""
+    ego_speed: float
+
+
 def _without_article(description: str) -> str:
     first, _, rest = description.partition(" ")
-    if first in ("a", "an", "the") and rest:
-        return rest[:_LONGEST]
-    return description[:_LONGEST]
+    return _shortened(rest if first.lower() in ("a", "an", "the") and rest else description)
 
 
-def _described(actor: Actor, assets: Mapping[str, Asset], kinds: DetailKinds) -> str:
+def _shortened(text: str) -> str:
+    return textwrap.shorten(text, _LONGEST, placeholder=" …")
+
+
+def _described(actor: Actor, setting: _Setting) -> str:
     """Return an asset's description, with the details other than its pose."""
-    description = assets[actor.asset].description
+    description = setting.assets[actor.asset].description
     if actor.details is None:
         return description
-    return described(description, actor.details.model_copy(update={"pose": ""}), assets, kinds)
+    details = actor.details.model_copy(update={"pose": ""})
+    return described(description, details, setting.assets, setting.details)
 
 
 def _oncoming_lanes(ego: Ego, map_id: str, catalogue: Catalogue) -> frozenset[int]:
@@ -147,39 +176,50 @@ def _where(actor: Actor, oncoming: Collection[int]) -> str:
     return f"in a lane to the {'left' if placement.lane > 0 else 'right'}"
 
 
-def _doing(
-    actor: Actor, asset: Asset, ego_speed: float, kinds: DetailKinds, motions: Mapping[str, str]
-) -> str:
+def _doing(actor: Actor, setting: _Setting) -> str:
     """Return what an actor does, in which pose and with which lights."""
-    state = _STATES.get(actor.state, "")
-    if actor.state in _SIGNAL_STATES and asset.category in ("signal", "work_zone"):
-        return state
-    movement = _movement(actor, ego_speed, motions)
-    pose = kinds.pose(actor.details.pose) if actor.details else None
+    asset = setting.assets[actor.asset]
+    usual = asset.states[0] if asset.states else ""
+    state = actor.state or usual
+    if state in _SIGNALS and asset.category in ("signal", "work_zone"):
+        return _SIGNALS[state]
+    movement = _movement(actor, setting)
+    pose = setting.details.pose(actor.details.pose) if actor.details else None
     if pose is not None:
-        is_standing = actor.behaviour.name == "stand"
-        movement = pose.doing if is_standing else f"{movement}, {pose.doing}"
-    return f"{movement} {state}".strip()[:_LONGEST]
+        movement = pose.doing if movement == _STANDING else f"{movement}, {pose.doing}"
+    lights = "" if state == usual else (_LIGHTS | _SIGNALS).get(state, "")
+    return _shortened(f"{movement} {lights}")
 
 
-def _movement(actor: Actor, ego_speed: float, motions: Mapping[str, str]) -> str:
-    name, heading_deg = actor.behaviour.name, actor.placement.heading_deg
-    if name not in BUILT_IN:
-        return motions.get(name, "moving")
-    if name == "follow_lane":
-        speed = actor.behaviour.parameters.get("speed", ego_speed)
+def _movement(actor: Actor, setting: _Setting) -> str:
+    """Return the motion of an actor as the ego sees it: headings count from the actor's own lane."""
+    does, placement = actor.behaviour, actor.placement
+    kind = setting.behaviours.get(does.name)
+    row = BUILT_IN.get(kind.built_in) if kind else None
+    if kind is None or row is None:
+        return setting.motions.get(does.name, "moving")
+    heading_deg = 180.0 if row.code == Code.WRONG_WAY else placement.heading_deg
+    if placement.lane in setting.oncoming:
+        heading_deg += 180.0
+    turned = abs(math.remainder(heading_deg, 360.0))
+    if row.code in (Code.FOLLOW_LANE, Code.WRONG_WAY):
+        default = kind.parameters["speed"].default if "speed" in kind.parameters else math.inf
+        speed = does.parameters.get("speed", default)
         if speed == 0.0:
-            return BUILT_IN["stand"].doing
-        if speed < _SLOW * ego_speed:
-            return "driving slowly ahead"
-    if name == "walk_along" and abs(heading_deg) < _ALONG_DEG:
+            return _STANDING
+        if turned > 90.0:
+            return _TOWARDS_EGO
+        if speed < _SLOW * setting.ego_speed:
+            return "driving slowly" if placement.ahead_m < 0.0 else "driving slowly ahead"
+        return _SAME_WAY
+    if not row.has_side:
+        return row.doing
+    if turned < _ALONG_DEG:
         return "moving the same way"
-    if name == "walk_along" and abs(heading_deg) > _TOWARDS_DEG:
-        return "coming towards the ego vehicle"
-    if BUILT_IN[name].has_side:
-        side = "right" if math.sin(math.radians(heading_deg)) > 0.0 else "left"
-        return f"{BUILT_IN[name].doing} from the {side}"
-    return BUILT_IN[name].doing
+    if turned > _TOWARDS_DEG:
+        return _TOWARDS_EGO
+    side = "right" if math.sin(math.radians(heading_deg)) > 0.0 else "left"
+    return f"{row.doing} from the {side}"
 
 
 def _phenomena(weather: Weather, ordinary: Weather) -> list[str]:
@@ -187,12 +227,14 @@ def _phenomena(weather: Weather, ordinary: Weather) -> list[str]:
     phenomena = []
     if weather.fog_visual_range_m < min(FOG_M, ordinary.fog_visual_range_m):
         phenomena.append("fog")
-    if weather.precipitation_mm_h > ordinary.precipitation_mm_h:
-        phenomena.append(f"heavy {weather.precipitation}")
-    if weather.sun_elevation_deg < DARK_DEG < ordinary.sun_elevation_deg:
+    form, rate = weather.precipitation, weather.precipitation_mm_h
+    if rate > ordinary.precipitation_mm_h or form not in ("none", ordinary.precipitation):
+        phenomena.append(f"heavy {form}" if rate >= _HEAVY[form] else form)
+    sun_deg = weather.sun_elevation_deg
+    if sun_deg < DARK_DEG < ordinary.sun_elevation_deg:
         phenomena.append("darkness")
-    elif weather.sun_elevation_deg < _LOW_DEG < ordinary.sun_elevation_deg:
-        phenomena.append("low sun")
+    elif sun_deg < _LOW_DEG < ordinary.sun_elevation_deg:
+        phenomena.append("low sun" if sun_deg > 0.0 else "dusk")
     if weather.friction < min(_SLIPPERY, ordinary.friction):
         phenomena.append("ice or water on the road")
     return phenomena or ["unusual weather"]

@@ -13,6 +13,7 @@ from oodscen._display import Brief
 from oodscen._files import inside, read_regular, remove_parts, replace, writing
 from oodscen._json import is_object, object_lines, parse_object
 from oodscen._lock import locked
+from oodscen._text import whole
 from oodscen.data._base import Data, canonical_json
 from oodscen.errors import DataError, Issue, StudyError
 
@@ -187,7 +188,8 @@ def _malformed(source: str | Path, fault: str) -> DataError:
 
 def _line(item: Data | Mapping[str, Any]) -> str:
     value = item.model_dump(mode="json") if isinstance(item, Data) else item
-    return canonical_json(value) + "\n"
+    # The error of a model, say, may quote half of a surrogate pair.
+    return whole(canonical_json(value)) + "\n"
 
 
 def _mend(file: int) -> None:

@@ -65,6 +65,7 @@ class _Signal(KeyboardInterrupt):
     ("error", "status", "words"),
     [
         (LLMError("gone", model="m"), "failed", "LLMError: gone"),
+        (LLMError("gone", model="m", requests=-1), "failed", "LLMError: gone"),
         (
             EndpointDown("m", "dead"),
             "failed",
@@ -84,6 +85,7 @@ def test_a_failure_is_logged_and_passes_through(error, status, words):
     (call,) = calls
     assert call.status == status
     assert call.error.startswith(words)
+    assert call.requests == 0
     assert account(("m",), [call.model_dump()]).failed == (status == "failed")
 
 

@@ -31,3 +31,10 @@ def test_a_member_whose_name_is_written_in_another_way_is_asked_for_again(name: 
     answer, (issue,) = read_answer(json.dumps({"judgements": [judgement]}), BranchJudgements)
     assert answer is None
     assert str(issue) == f"judgements[0].{name}: is not known: write 'label'"
+
+
+def test_a_member_may_have_the_name_of_a_method_of_mappings() -> None:
+    lists = create_model("Lists", keys=(list[float], ...), items=(list[float], []))
+    answer, issues = read_answer('{"keys": [1, 2]}', lists)
+    assert not issues
+    assert vars(answer) == {"keys": [1.0, 2.0], "items": []}

@@ -1,8 +1,12 @@
 """The visible part of a hazard: thing, place and motion, each told once."""
 
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from oodscen_pybullet._catalogue import load_catalogue
 
-from oodscen.data._scene import Actor
+from oodscen.data._scene import Actor, Weather
+from oodscen.driving._motion.behaviours import having
 from oodscen.driving._roads.building import read_map
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.stages._hazard_words import visible_of
@@ -24,6 +28,108 @@ def seen(map=None, ego=None, **changes):
         map or scene.map,
         FlatSimulator().catalogue(),
     )
+
+
+def told(catalogue=None, *, asset="car", speed=8.0, state="", details=None, **behaviour):
+    """Return what is told of one actor; the members of a placement and of a behaviour are named alike."""
+    scene = example_scene()
+    place = {name: behaviour.pop(name) for name in ("lane", "heading_deg") if name in behaviour}
+    place = {"ahead_m": behaviour.pop("ahead_m", 60.0), **place}
+    actor = Actor.parse(
+        {
+            "id": "box",
+            "asset": asset,
+            "placement": place,
+            "behaviour": behaviour,
+            "state": state,
+            "details": details,
+        }
+    )
+    ego = scene.ego.model_copy(update={"speed": speed})
+    (one,) = visible_of(
+        (actor,), scene.hazard, scene.weather, ego, scene.map, catalogue or load_catalogue()
+    )
+    return one
+
+
+@given(
+    st.sampled_from(having(lambda row: row.has_side)),
+    st.floats(-180.0, 0.0).filter(lambda turn: min(abs(turn % 45.0), 45.0 - turn % 45.0) > 1e-6),
+)
+def test_a_motion_is_told_as_the_ego_sees_it_in_whichever_lane_it_begins(name, heading_deg):
+    catalogue = FlatSimulator().catalogue()
+    own = told(catalogue, asset="dog", name=name, heading_deg=heading_deg)
+    facing = told(catalogue, asset="dog", name=name, heading_deg=heading_deg + 180.0, lane=1)
+    assert own.doing == facing.doing
+
+
+@pytest.mark.parametrize(
+    ("doing", "actor"),
+    [
+        ("coming towards the ego vehicle", {"name": "follow_lane", "lane": 1}),
+        ("coming towards the ego vehicle", {"name": "follow_lane", "heading_deg": 180.0}),
+        ("coming towards the ego vehicle", {"name": "wrong_way"}),
+        ("driving the same way", {"name": "wrong_way", "lane": 1}),
+        ("coming towards the ego vehicle", {"asset": "dog", "name": "bolt", "heading_deg": 180.0}),
+        ("running across from the right", {"asset": "dog", "name": "bolt", "heading_deg": 90.0}),
+        ("driving slowly ahead", {"name": "follow_lane", "speed": 30.0}),
+        ("driving slowly", {"name": "follow_lane", "speed": 30.0, "ahead_m": -30.0}),
+        ("driving the same way", {"name": "follow_lane", "speed": 12.0}),
+    ],
+)
+def test_what_a_motion_leaves_out_has_the_meaning_that_it_has_in_the_world(doing, actor):
+    assert told(**actor).doing == doing
+
+
+@pytest.mark.parametrize("asset", [one.id for one in load_catalogue().assets if one.states])
+def test_the_usual_state_is_told_alike_whether_it_is_named_or_not(asset):
+    usual, *_ = load_catalogue().asset(asset).states
+    assert told(asset=asset, state=usual) == told(asset=asset)
+    is_light = asset in ("traffic_light", "temporary_light", "pedestrian_light")
+    assert (told(asset=asset).doing == "showing red") is is_light
+
+
+def test_a_behaviour_of_a_simulators_own_is_told_as_the_one_that_it_is_like():
+    catalogue = load_catalogue()
+    nap = catalogue.behaviour("stand").model_copy(update={"id": "nap", "like": "stand"})
+    own = catalogue.model_copy(update={"behaviours": (*catalogue.behaviours, nap)})
+    assert told(own, name="nap").doing == "standing still"
+
+
+def test_a_long_description_ends_with_a_whole_word():
+    kept = {"holds": "fallen_tree", "colour": "fluor_orange", "text": "CAUTION WIDE"}
+    details = {**kept, "parts": ["bonnet_open", "boot_open"], "cargo": "cardboard_box"}
+    what = told(details=details).what
+    assert 100 < len(what) <= 120
+    assert what.endswith(" …")
+
+
+@pytest.mark.parametrize(
+    ("words", "weather"),
+    [
+        ("rain", {"precipitation": "rain", "precipitation_mm_h": 1.0}),
+        ("heavy rain", {"precipitation": "rain", "precipitation_mm_h": 10.0}),
+        ("heavy snow", {"precipitation": "snow", "precipitation_mm_h": 5.0}),
+        ("low sun", {"sun_elevation_deg": 4.0}),
+        ("dusk", {"sun_elevation_deg": -2.0}),
+        ("darkness", {"sun_elevation_deg": -20.0}),
+    ],
+)
+def test_weather_is_told_by_its_strength(words, weather):
+    scene = example_scene()
+    hazard = scene.hazard.model_copy(update={"weather": Weather()})
+    (one,) = visible_of(
+        (), hazard, Weather(**weather), scene.ego, scene.map, FlatSimulator().catalogue()
+    )
+    assert (one.what, one.where) == (words, "everywhere")
+
+
+def test_snow_in_place_of_rain_is_told():
+    scene = example_scene()
+    rain, snow = (Weather(precipitation=form, precipitation_mm_h=2.0) for form in ("rain", "snow"))
+    hazard = scene.hazard.model_copy(update={"weather": rain})
+    (one,) = visible_of((), hazard, snow, scene.ego, scene.map, FlatSimulator().catalogue())
+    assert one.what == "snow"
 
 
 def test_places_are_told_as_the_ego_sees_them():

@@ -31,6 +31,14 @@ def test_lines_come_back_as_they_were_written(tmp_path_factory, rows):
     assert list(store.lines("a.jsonl")) == rows
 
 
+def test_half_a_surrogate_pair_is_a_gap_in_its_line(tmp_path):
+    store = Store(tmp_path)
+    store.append("a.jsonl", {"error": "cut \ud83d off"})
+    store.write_lines("b.jsonl", [{"error": "cut \ud83d off"}])
+    for name in ("a.jsonl", "b.jsonl"):
+        assert list(store.lines(name)) == [{"error": "cut \ufffd off"}]
+
+
 def test_an_empty_file_is_there_and_holds_nothing(tmp_path):
     store = Store(tmp_path)
     assert (store.has("a.jsonl"), store.holds("a.jsonl")) == (False, False)

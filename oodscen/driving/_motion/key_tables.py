@@ -31,12 +31,12 @@ from oodscen.driving._motion.keyframes import (
 )
 from oodscen.numerics._exact import TAU, quantised, sincos, wrapped
 
-FRAMES = {"start": START, "lane": LANE, "other": OTHER, "ego": EGO}
-ARGUMENTS = {"time": TIME, "ego": DISTANCE}
-FACINGS = {"fixed": FIXED, "along": ALONG, "against": AGAINST}
-ENDINGS = {"stay": STAY, "repeat": REPEAT, "go_on": GO_ON}
+_FRAMES = {"start": START, "lane": LANE, "other": OTHER, "ego": EGO}
+_ARGUMENTS = {"time": TIME, "ego": DISTANCE}
+_FACINGS = {"fixed": FIXED, "along": ALONG, "against": AGAINST}
+_ENDINGS = {"stay": STAY, "repeat": REPEAT, "go_on": GO_ON}
 _ROLLING = frozenset({"cyclist", "car", "truck"})
-ROLLING_MPS2 = 0.8
+_ROLLING_MPS2 = 0.8
 """Deceleration of what rolls on when it is let go; other things slide, m/s^2."""
 
 
@@ -61,10 +61,10 @@ def key_codes(motion: Motion, first: int) -> list[int]:
     return [
         first,
         max(2, len(motion.poses())),
-        FRAMES[motion.frame],
-        ARGUMENTS[motion.by],
-        FACINGS[motion.facing],
-        ENDINGS[motion.then],
+        _FRAMES[motion.frame],
+        _ARGUMENTS[motion.by],
+        _FACINGS[motion.facing],
+        _ENDINGS[motion.then],
         int(motion.is_tilting or any(pose.up < 0.0 for pose in motion.poses())),
     ]
 
@@ -82,7 +82,7 @@ def key_traits(motion: Motion, actor: str, seed: int) -> Mapping[int, float]:
         col.FASTEST: motion.fastest,
         col.CLIMB: able.climb,
         col.SPINNIEST: able.spin * TAU / 360.0,
-        col.DECELERATION: ROLLING_MPS2 if motion.body in _ROLLING else 0.0,
+        col.DECELERATION: _ROLLING_MPS2 if motion.body in _ROLLING else 0.0,
     }
 
 
@@ -99,7 +99,9 @@ def pose_first(w: Situation, i: int) -> bool:
         state[i, col.YAW] = quantised(wrapped(state[i, col.YAW] + values[YAW]))
         state[i, col.HEADING] = quantised(wrapped(state[i, col.HEADING] + values[YAW]))
     if frame in (START, LANE) and w.codes[i, col.THEN] != REPEAT:
-        sine, cosine = sincos(values[YAW])
+        # The keys lie along the frame, which an actor on the road need not face.
+        askew = traits[i, col.APART_YAW] if frame == LANE else 0.0
+        sine, cosine = sincos(askew + values[YAW])
         along, aside = (w.traits[first, col.SLOPE + axis] for axis in (AHEAD, LEFT))
         state[i, col.SPEED] = quantised((along * cosine + aside * sine) * traits[i, col.PACE])
     state[i, col.LIFT] = quantised(values[UP])

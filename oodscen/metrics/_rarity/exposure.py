@@ -38,7 +38,15 @@ class Exposure(Data):
 
     def __str__(self) -> str:
         others = f"; {self.unknown} of {self.total} kinds cannot be told" if self.unknown else ""
-        return f"{self.share:.0%} of what a driver would meet ({self.low:.0%} to {self.high:.0%}{others})"
+        share, low, high = map(_percent, (self.share, self.low, self.high))
+        return f"{share} of what a driver would meet ({low} to {high}{others})"
+
+
+def _percent(share: float) -> str:
+    """Return a share in whole per cent; a small one, as rare kinds have, is not called none."""
+    if 0.0 < share < 0.0005:
+        return "<0.1%"
+    return f"{share:.1%}" if 0.0 < share < 0.01 else f"{share:.0%}"
 
 
 class TreeRarity(Data):

@@ -3,7 +3,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from oodscen.data._motion import ABILITIES, Motion
@@ -167,6 +167,24 @@ def test_what_comes_on_keeps_coming_through_its_delay() -> None:
     seen = course(scene_of(motion, trigger={"kind": "time", "value": 1.0}), 120)
     steps = np.hypot(*np.diff(seen[:, :2], axis=0).T) / 0.05
     assert np.allclose(steps, 6.0, atol=0.01)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    st.sampled_from(["start", "lane"]), st.floats(-180.0, 180.0), st.integers(-8, 8),
+    st.integers(-8, 8), st.integers(-180, 180), st.sampled_from([0, 0.3]),
+)  # fmt: skip
+def test_what_comes_on_has_its_speed_from_the_start(
+    frame: str, heading_deg: float, ahead: int, left: int, yaw: int, pace: float
+) -> None:
+    assume(ahead or left)
+    keys = [{"at": 0, "yaw": yaw}, {"at": 2, "ahead": ahead, "left": left, "yaw": yaw}]
+    motion = made(body="loose", frame=frame, begins="moving", pace=pace, keys=keys)
+    placement = {"ahead_m": 25.0, "heading_deg": heading_deg}
+    world = world_of(scene_of(motion, trigger={"kind": "time", "value": 1.0}, placement=placement))
+    speed = world.motion("thing").speed
+    world.step(Control(0.0))
+    assert world.motion("thing").speed == pytest.approx(speed, abs=1e-4)
 
 
 def test_what_another_body_carries_goes_at_that_ones_speed_and_steps_off_at_its_own() -> None:

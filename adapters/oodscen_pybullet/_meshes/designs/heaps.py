@@ -29,10 +29,15 @@ def _(part: shapes.Heap, mesh: MeshBuilder, shown: Appearance, place: Placing) -
         high = height * (1 - 0.6 * out**3) * (0.75 + 0.25 * height_draw)
         tall = min(lump, high)
         grown = 1.0 + part.rough
-        heap.ball(
-            (x, y, high - tall), (lump / grown, lump / grown, tall / grown),
+        middle = high - tall
+        ball = MeshBuilder().ball(
+            (x, y, middle), (lump / grown, lump / grown, tall / grown),
             colours[index % 3 == 0], around=7, down=4, jitter=part.rough, key=part.key + index,
-        )  # fmt: skip
+        ).build()  # fmt: skip
+        # The lower half of what would hang in the air reaches down to the ground.
+        is_low = ball.vertices[:, 2] < middle
+        ball.vertices[is_low, 2] -= max(0.0, middle - tall / grown * (1.0 - part.rough))
+        heap.add_surface(ball)
     mesh.add_surface(heap.flatten(0.0).build(), place.point((*part.heap, 0.0)))
 
 

@@ -3,13 +3,18 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 from oodscen_pybullet._catalogue import load_catalogue
 from oodscen_pybullet._meshes import asset_mesh, register_design
 from oodscen_pybullet._meshes.atlas import draw_atlas
+from oodscen_pybullet._meshes.builder import MeshBuilder
+from oodscen_pybullet._meshes.designs.parts import Placing, add
+from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._rendering.triangles import SHINING, Triangles
 
 from oodscen.author._knowledge.designs import load_designs
+from oodscen.data import _shapes as shapes
 from oodscen.data._prop import MOST_TRIANGLES, Prop, check_prop, sizes_of
 from oodscen.data._survey import survey
 from tests.made import CLOUD, WALL, designs
@@ -37,6 +42,18 @@ def test_a_random_design_fills_its_box_and_no_more(table: dict[str, Any]) -> Non
         assert len(mesh.triangles) <= survey(prop.parts, state).triangles <= MOST_TRIANGLES
         assert (mesh.normals**2).sum(axis=1) == pytest.approx(1.0)
         assert np.isfinite(mesh.vertices).all()
+
+
+@given(st.tuples(*[st.floats(0.3, 8.0)] * 3), st.integers(3, 80), st.sampled_from([0.0, 0.3, 0.5]))
+def test_every_lump_of_a_heap_lies_on_the_ground_or_in_it(
+    size: tuple[float, float, float], lumps: int, rough: float
+) -> None:
+    heap = shapes.Heap(heap=(0.0, 0.0), size=size, colour="grey", lumps=lumps, rough=rough)
+    builder = MeshBuilder()
+    add(heap, builder, Appearance(), Placing())
+    heights = builder.build().vertices[:, 2].reshape(lumps, -1)
+    assert heights.min(axis=1) == pytest.approx(0.0, abs=1e-9)
+    assert heights.max() <= size[2] + 1e-9
 
 
 @settings(max_examples=15)
