@@ -23,6 +23,8 @@ _LONGEST = 120
 """Largest number of characters of a description."""
 _LOW_DEG = 12.0
 """Sun elevation below which the sun stands low, degrees."""
+_HIDDEN = 0.6
+"""Cloud cover from which a low sun is hidden."""
 _SLIPPERY = 0.5
 """Friction below which ice or water can be seen."""
 
@@ -82,7 +84,9 @@ def visible_of(
         Visible(
             what=_without_article(_described(actor, assets, kinds)),
             where=_where(actor, oncoming),
-            doing=_doing(actor, assets[actor.asset], ego.speed, kinds, motions),
+            doing=_doing(
+                actor, assets[actor.asset], kinds, _movement(actor, ego.speed, oncoming, motions)
+            ),
         )
         for actor in actors
         if actor.id in hazard.actors and actor.asset in assets
@@ -147,14 +151,11 @@ def _where(actor: Actor, oncoming: Collection[int]) -> str:
     return f"in a lane to the {'left' if placement.lane > 0 else 'right'}"
 
 
-def _doing(
-    actor: Actor, asset: Asset, ego_speed: float, kinds: DetailKinds, motions: Mapping[str, str]
-) -> str:
+def _doing(actor: Actor, asset: Asset, kinds: DetailKinds, movement: str) -> str:
     """Return what an actor does, in which pose and with which lights."""
     state = _STATES.get(actor.state, "")
     if actor.state in _SIGNAL_STATES and asset.category in ("signal", "work_zone"):
         return state
-    movement = _movement(actor, ego_speed, motions)
     pose = kinds.pose(actor.details.pose) if actor.details else None
     if pose is not None:
         is_standing = actor.behaviour.name == "stand"
@@ -162,16 +163,15 @@ def _doing(
     return f"{movement} {state}".strip()[:_LONGEST]
 
 
-def _movement(actor: Actor, ego_speed: float, motions: Mapping[str, str]) -> str:
-    name, heading_deg = actor.behaviour.name, actor.placement.heading_deg
+def _movement(
+    actor: Actor, ego_speed: float, oncoming: Collection[int], motions: Mapping[str, str]
+) -> str:
+    name = actor.behaviour.name
     if name not in BUILT_IN:
         return motions.get(name, "moving")
-    if name == "follow_lane":
-        speed = actor.behaviour.parameters.get("speed", ego_speed)
-        if speed == 0.0:
-            return BUILT_IN["stand"].doing
-        if speed < _SLOW * ego_speed:
-            return "driving slowly ahead"
+    heading_deg = _heading_deg(actor, oncoming)
+    if name in ("follow_lane", "wrong_way"):
+        return _driving(actor, heading_deg, ego_speed)
     if name == "walk_along" and abs(heading_deg) < _ALONG_DEG:
         return "moving the same way"
     if name == "walk_along" and abs(heading_deg) > _TOWARDS_DEG:
@@ -180,6 +180,28 @@ def _movement(actor: Actor, ego_speed: float, motions: Mapping[str, str]) -> str
         side = "right" if math.sin(math.radians(heading_deg)) > 0.0 else "left"
         return f"{BUILT_IN[name].doing} from the {side}"
     return BUILT_IN[name].doing
+
+
+def _heading_deg(actor: Actor, oncoming: Collection[int]) -> float:
+    """Return an actor's heading against the ego's direction; its placement has that against its lane's."""
+    heading_deg = 180.0 if actor.behaviour.name == "wrong_way" else actor.placement.heading_deg
+    if actor.placement.lane in oncoming:
+        heading_deg += 180.0 if heading_deg <= 0.0 else -180.0
+    return heading_deg
+
+
+def _driving(actor: Actor, heading_deg: float, ego_speed: float) -> str:
+    """Return what a driver does that keeps to its lane, in whichever direction."""
+    usual = BUILT_IN[actor.behaviour.name].parameters["speed"].default
+    speed = actor.behaviour.parameters.get("speed", usual)
+    is_ahead = actor.placement.ahead_m >= 0.0
+    if speed == 0.0:
+        return BUILT_IN["stand"].doing
+    if abs(heading_deg) > 90.0:
+        return "coming towards the ego vehicle" if is_ahead else "driving the other way"
+    if speed < _SLOW * ego_speed:
+        return "driving slowly ahead" if is_ahead else "driving slowly"
+    return BUILT_IN["follow_lane"].doing
 
 
 def _phenomena(weather: Weather, ordinary: Weather) -> list[str]:
@@ -191,8 +213,16 @@ def _phenomena(weather: Weather, ordinary: Weather) -> list[str]:
         phenomena.append(f"heavy {weather.precipitation}")
     if weather.sun_elevation_deg < DARK_DEG < ordinary.sun_elevation_deg:
         phenomena.append("darkness")
-    elif weather.sun_elevation_deg < _LOW_DEG < ordinary.sun_elevation_deg:
+    elif weather.sun_elevation_deg <= 0.0 < ordinary.sun_elevation_deg:
+        phenomena.append("twilight")
+    elif _has_low_sun(weather) and ordinary.sun_elevation_deg > _LOW_DEG:
         phenomena.append("low sun")
     if weather.friction < min(_SLIPPERY, ordinary.friction):
         phenomena.append("ice or water on the road")
     return phenomena or ["unusual weather"]
+
+
+def _has_low_sun(weather: Weather) -> bool:
+    is_veiled = weather.precipitation != "none" or weather.fog_visual_range_m < FOG_M
+    is_low = 0.0 < weather.sun_elevation_deg < _LOW_DEG
+    return is_low and not is_veiled and weather.cloud_cover < _HIDDEN
