@@ -4,6 +4,7 @@ import math
 from collections.abc import Collection, Mapping
 from types import MappingProxyType
 
+from oodscen._text import one_line
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._details import DetailKinds, described
 from oodscen.data._map_state import MapPart, MapState
@@ -111,14 +112,14 @@ def visible_of_map(state: MapState | None) -> tuple[Visible, ...]:
 
 def _without_article(description: str) -> str:
     first, _, rest = description.partition(" ")
-    if first in ("a", "an", "the") and rest:
+    if first.casefold() in ("a", "an", "the") and rest:
         return rest[:_LONGEST]
     return description[:_LONGEST]
 
 
 def _described(actor: Actor, assets: Mapping[str, Asset], kinds: DetailKinds) -> str:
-    """Return an asset's description, with the details other than its pose."""
-    description = assets[actor.asset].description
+    """Return an asset's description, or its id if it has none, with the details other than its pose."""
+    description = one_line(assets[actor.asset].description) or actor.asset.replace("_", " ")
     if actor.details is None:
         return description
     return described(description, actor.details.model_copy(update={"pose": ""}), assets, kinds)

@@ -168,3 +168,15 @@ def test_a_low_sun_is_told_only_where_it_shines(weather, told):
     catalogue = FlatSimulator().catalogue()
     seen_of_it = visible_of((), hazard, weather, scene.ego, scene.map, catalogue)
     assert [one.what for one in seen_of_it] == [told]
+
+
+@pytest.mark.parametrize(
+    ("description", "what"),
+    [("", "cardboard box"), (" ", "cardboard box"), ("A big\nbox", "big box"), ("The box", "box")],
+)
+def test_descriptions_of_an_own_catalogue_are_told_in_one_line(description, what):
+    scene, catalogue = example_scene(), FlatSimulator().catalogue()
+    box = catalogue.asset("cardboard_box").model_copy(update={"description": description})
+    own = catalogue.model_copy(update={"assets": (box,)})
+    (told,) = visible_of(scene.actors, scene.hazard, scene.weather, scene.ego, scene.map, own)
+    assert told.what == what
