@@ -56,7 +56,7 @@ def mcap_trace(messages: Iterator[tuple[int, bytes]], road: RoadFile) -> bytes:
 
 
 def _xml_text(content: bytes) -> str:
-    """Return an XML file as text; one in another encoding than UTF-8 is written anew, as its declaration names that."""
+    """Return an XML file as text; one in another encoding gets a declaration of UTF-8."""
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:
