@@ -1,6 +1,7 @@
 """Checks of numbers from the caller: type, finiteness and range."""
 
 import math
+from contextlib import suppress
 from numbers import Integral, Real
 from typing import Any
 
@@ -49,12 +50,11 @@ def finite_number(name: str, value: Any, least: float = -math.inf, most: float =
     Raises:
         UsageError: If it is anything else.
     """
-    is_number = isinstance(value, Real) and not isinstance(value, bool)
-    try:
-        if is_number and math.isfinite(value) and least <= value <= most:
-            return float(value)
-    except OverflowError:
-        pass
+    if isinstance(value, Real) and not isinstance(value, bool):
+        with suppress(OverflowError):
+            number = float(value)
+            if math.isfinite(number) and least <= number <= most:
+                return number
     between = "" if math.isinf(least) and math.isinf(most) else f" from {least:.10g} to {most:.10g}"
     raise UsageError(f"{name} must be a finite number{between}, not {said(value)}")
 

@@ -201,18 +201,20 @@ class Camera:
         return cls(width, height, fov_deg, x, 0.0, z, 90.0)
 
     def __post_init__(self) -> None:
-        for name in ("width", "height"):
-            pixels = whole_number(f"camera: {name}", getattr(self, name), 1, MAX_SIZE)
-            # Python's own number: products of numpy's small ones overflow.
-            object.__setattr__(self, name, pixels)
+        # They are Python's own numbers: products of numpy's small ones overflow.
+        own: dict[str, float] = {
+            name: whole_number(f"camera: {name}", getattr(self, name), 1, MAX_SIZE)
+            for name in ("width", "height")
+        }
         for name, least, most in (
             ("fov_deg", 1.0, 170.0),
             ("pitch_deg", -90.0, 90.0),
             ("yaw_deg", -180.0, 180.0),
+            *((axis, -MAX_AWAY_M, MAX_AWAY_M) for axis in ("x", "y", "z")),
         ):
-            finite_number(f"camera: {name}", getattr(self, name), least, most)
-        for name in ("x", "y", "z"):
-            finite_number(f"camera: {name}", getattr(self, name), -MAX_AWAY_M, MAX_AWAY_M)
+            own[name] = finite_number(f"camera: {name}", getattr(self, name), least, most)
+        for name, number in own.items():
+            object.__setattr__(self, name, number)
 
     def behind(self) -> "Camera":
         """Return a camera with as many pixels that looks back from the rear window."""
@@ -304,9 +306,8 @@ class State(Brief):
 
     def fingerprint(self) -> bytes:
         """Return bytes that are the same for equal states."""
-        return b"".join(array.tobytes() for array in (self.poses, self.speeds, self.gaps)) + bytes(
-            [self.off_road]
-        )
+        arrays = (self.poses, self.speeds, self.gaps, np.array(self.off_road, bool))
+        return b"".join(array.tobytes() for array in arrays)
 
 
 @runtime_checkable

@@ -98,10 +98,11 @@ def _ask(
 ) -> tuple[str, tuple[str, ...], bool]:
     """Return the choices, after asking for those that are open."""
     if llm is None:
-        llm = click.prompt(
+        typed = click.prompt(
             "Model that writes the scenarios (builtin needs no key; or a name such as gpt-4o)",
             default=DEFAULT_LLM,
         )
+        llm = typed.strip() or DEFAULT_LLM
     if not vlms:
         listed = click.prompt(
             "Vision-language models to judge, separated by commas (empty: none)",

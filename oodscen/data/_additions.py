@@ -69,11 +69,16 @@ class Addition(Data):
         article = "an" if self.kind == "asset" else "a"
         return f"{article} {self.kind}: {name}"
 
+    @property
+    def key(self) -> tuple[AdditionKind, frozenset[str]]:
+        """The same for additions of one thing, whatever the case of its name and the order of its traits."""
+        return self.kind, frozenset(self.traits or (self.name.casefold(),))
+
     def brings(self, other: "Addition") -> bool:
         """Return whether making this addition also provides `other`."""
         if self.kind == other.kind == "map":
             return set(other.traits) <= set(self.traits)
-        return (self.kind, self.name.casefold()) == (other.kind, other.name.casefold())
+        return self.key == other.key
 
 
 def _split(text: str) -> dict[str, str]:
@@ -86,10 +91,12 @@ def _split(text: str) -> dict[str, str]:
 
 
 def _tidy(value: Any) -> Any:
-    """Normalise ids to lower case with underscores, so that each thing has one name."""
+    """Normalise ids to lower case with underscores, and states to `asset: state`, so that each thing has one name."""
     if not isinstance(value, Mapping):
         return value
     name, kind = value.get("name"), value.get("kind")
+    if isinstance(name, str) and kind == "state":
+        return {**value, "name": ": ".join(filter(None, map(str.strip, name.split(":"))))}
     if not isinstance(name, str) or kind not in ("asset", "behaviour", "weather", "map"):
         return value
     parts = name.casefold().split("+") if kind == "map" else [name.casefold()]

@@ -164,12 +164,12 @@ def data_block(value: object) -> str:
 
 
 def without_blanks(value: object) -> object:
-    """Return a part of a model's answer without entries that are null or empty text: both mean left out."""
+    """Return a part of a model's answer without entries that are null or blank text: both mean left out."""
     if isinstance(value, Mapping):
         return {
             name: without_blanks(entry)
             for name, entry in value.items()
-            if entry is not None and entry != ""
+            if entry is not None and not (isinstance(entry, str) and not entry.strip())
         }
     if isinstance(value, list):
         return [without_blanks(item) for item in value]

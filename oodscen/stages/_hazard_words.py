@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
+from oodscen._text import one_line
 from oodscen.claims._surroundings import HEAVY_RAIN, HEAVY_SNOW
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue
 from oodscen.data._details import DetailKinds, described
@@ -27,6 +28,8 @@ _LONGEST = 120
 """Largest number of characters of a description."""
 _LOW_DEG = 12.0
 """Sun elevation below which the sun stands low, degrees."""
+_HIDDEN = 0.6
+"""Cloud cover from which a low sun is hidden."""
 _SLIPPERY = 0.5
 """Friction below which ice or water can be seen."""
 _HEAVY = {"rain": HEAVY_RAIN, "snow": HEAVY_SNOW}
@@ -141,8 +144,9 @@ def _shortened(text: str) -> str:
 
 
 def _described(actor: Actor, setting: _Setting) -> str:
-    """Return an asset's description, with the details other than its pose."""
-    description = setting.assets[actor.asset].description
+    """Return an asset's description, or its id if it has none, with the details other than its pose."""
+    description = one_line(setting.assets[actor.asset].description)
+    description = description or actor.asset.replace("_", " ")
     if actor.details is None:
         return description
     details = actor.details.model_copy(update={"pose": ""})
@@ -207,10 +211,11 @@ def _movement(actor: Actor, setting: _Setting) -> str:
         speed = does.parameters.get("speed", default)
         if speed == 0.0:
             return _STANDING
+        is_ahead = placement.ahead_m >= 0.0
         if turned > 90.0:
-            return _TOWARDS_EGO
+            return _TOWARDS_EGO if is_ahead else "driving the other way"
         if speed < _SLOW * setting.ego_speed:
-            return "driving slowly" if placement.ahead_m < 0.0 else "driving slowly ahead"
+            return "driving slowly ahead" if is_ahead else "driving slowly"
         return _SAME_WAY
     if not row.has_side:
         return row.doing
@@ -233,8 +238,16 @@ def _phenomena(weather: Weather, ordinary: Weather) -> list[str]:
     sun_deg = weather.sun_elevation_deg
     if sun_deg < DARK_DEG < ordinary.sun_elevation_deg:
         phenomena.append("darkness")
-    elif sun_deg < _LOW_DEG < ordinary.sun_elevation_deg:
-        phenomena.append("low sun" if sun_deg > 0.0 else "dusk")
+    elif sun_deg <= 0.0 < ordinary.sun_elevation_deg:
+        phenomena.append("twilight")
+    elif sun_deg < _LOW_DEG < ordinary.sun_elevation_deg and not _is_veiled(weather):
+        phenomena.append("low sun")
     if weather.friction < min(_SLIPPERY, ordinary.friction):
         phenomena.append("ice or water on the road")
     return phenomena or ["unusual weather"]
+
+
+def _is_veiled(weather: Weather) -> bool:
+    """Return whether a low sun does not show."""
+    is_foggy = weather.fog_visual_range_m < FOG_M
+    return is_foggy or weather.precipitation != "none" or weather.cloud_cover >= _HIDDEN

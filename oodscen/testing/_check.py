@@ -6,6 +6,7 @@ from functools import partial
 from typing import Any
 
 from oodscen._arguments import checked
+from oodscen._numbers import whole_number
 from oodscen._processes import is_worker
 from oodscen._progress import Progress, reporting
 from oodscen._registry import make_simulator
@@ -97,12 +98,13 @@ def check_simulator(
         states_only: Compare only states where runs are repeated, for a simulator whose pixels differ from run
             to run. Its pictures are still checked one by one.
         parts: The parts to check, of `PARTS`.
-        resets: Number of resets in the `leaks` part.
+        resets: Number of resets in the `leaks` part, at least 5.
         progress: True for a progress bar, or a callable; it counts the parts.
 
     Raises:
         AssertionError: Lists all findings, those alike on one line.
         UnknownComponent: If there is no such part.
+        UsageError: If no part is left to check, or there are too few resets.
     """
     results = examine_parts(
         simulator,
@@ -135,7 +137,10 @@ def examine_parts(
             raise UnknownComponent("part", part, PARTS)
     if is_worker():
         raise UsageError(isolation.NEEDS_GUARD)
-    selected = [part for part in _PARTS if part in parts and (not quick or part in QUICK)]
+    selected = [part for part in (QUICK if quick else PARTS) if part in parts]
+    if not selected:
+        raise UsageError("parts has no part" + (" that takes only seconds" if quick else ""))
+    resets = whole_number("resets", resets, isolation.BLOCKS)
     factory = partial(make_simulator, simulator) if isinstance(simulator, str) else simulator
     results: list[PartResult] = []
     opening = Findings()

@@ -93,6 +93,18 @@ def test_init_asks_three_questions_in_a_terminal(tmp_path, monkeypatch):
     }
 
 
+@pytest.mark.parametrize(
+    ("typed", "name"), [(" gpt-4o ", "gpt-4o"), (" ", "builtin"), ("", "builtin")]
+)
+def test_blanks_around_a_typed_name_do_not_count(tmp_path, monkeypatch, typed, name):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("oodscen._cli.init.is_terminal", lambda: True)
+    done = invoke("init", "--quick", input=f"{typed}\n {typed} , \n")
+    assert done.exit_code == 0, done.output
+    chosen = tomllib.loads(Path("run.toml").read_text())
+    assert (chosen["llm"], chosen.get("vlm", [])) == (name, [typed.strip()] * bool(typed.strip()))
+
+
 @pytest.mark.parametrize("option", ["--llm", "--vlm"])
 def test_init_writes_no_key(tmp_path, monkeypatch, option):
     monkeypatch.setenv("OPENAI_API_KEY", "kq7ZpWm3xT9bKEYQQ")

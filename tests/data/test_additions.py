@@ -32,6 +32,7 @@ def test_it_survives_its_json(kind, name):
         ("weather: snow", "weather", "snow"),
         ("a behavior: spin", "behaviour", "spin"),
         ("a state: car: beacon", "state", "car: beacon"),
+        ("state: car:beacon", "state", "car: beacon"),
         ("map: bridge + urban", "map", "bridge + urban"),
         ("a map: Rail  Crossing+urban +", "map", "rail_crossing + urban"),
     ],

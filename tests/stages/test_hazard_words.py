@@ -1,14 +1,15 @@
 """The visible part of a hazard: thing, place and motion, each told once."""
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from oodscen_pybullet._catalogue import load_catalogue
 
-from oodscen.data._scene import Actor, Weather
+from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Weather
 from oodscen.driving._motion.behaviours import having
 from oodscen.driving._roads.building import read_map
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
+from oodscen.protocols import Control
 from oodscen.stages._hazard_words import visible_of
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
@@ -111,7 +112,7 @@ def test_a_long_description_ends_with_a_whole_word():
         ("heavy rain", {"precipitation": "rain", "precipitation_mm_h": 10.0}),
         ("heavy snow", {"precipitation": "snow", "precipitation_mm_h": 5.0}),
         ("low sun", {"sun_elevation_deg": 4.0}),
-        ("dusk", {"sun_elevation_deg": -2.0}),
+        ("twilight", {"sun_elevation_deg": -2.0}),
         ("darkness", {"sun_elevation_deg": -20.0}),
     ],
 )
@@ -191,3 +192,94 @@ def test_lanes_of_an_own_map_and_of_left_hand_traffic_are_told_by_their_directio
                 where,
                 swapped(where),
             ]
+
+
+MOVES = st.tuples(
+    st.sampled_from(["follow_lane", "wrong_way", "walk_along"]), st.sampled_from([0.0, 180.0])
+) | st.tuples(st.sampled_from(["cross_road", "walk_along", "bolt"]), st.sampled_from([-90.0, 90.0]))
+
+
+@given(move=MOVES, lane=st.sampled_from([0, 1]))
+@settings(max_examples=12, deadline=None)
+def test_motions_are_told_as_the_ego_sees_them(move, lane):
+    (name, heading_deg), scene = move, example_scene()
+    (box,) = scene.actors
+    actor = box.model_copy(
+        update={
+            "asset": "car" if name in ("follow_lane", "wrong_way") else "adult",
+            "placement": Placement(ahead_m=60.0, lane=lane, heading_deg=heading_deg),
+            "behaviour": Behaviour(name=name),
+        }
+    )
+    scene = scene.model_copy(update={"actors": (actor,)})
+    with FlatSimulator() as simulator:
+        start = simulator.reset(scene, 0).places[1]
+        for _ in range(10):
+            end = simulator.step(Control()).places[1]
+    forward, left = end - start
+    if abs(forward) > abs(left):
+        right = {"driving the same way", "moving the same way"}
+        right = right if forward > 0.0 else {"coming towards the ego vehicle"}
+    else:
+        side = "right" if left > 0.0 else "left"
+        right = {f"{doing} from the {side}" for doing in ("crossing", "running across")}
+    (told,) = visible_of(
+        scene.actors, scene.hazard, scene.weather, scene.ego, scene.map, simulator.catalogue()
+    )
+    assert told.doing in right
+
+
+@pytest.mark.parametrize(
+    ("ahead_m", "parameters", "doing"),
+    [
+        (40.0, {}, "driving slowly ahead"),
+        (40.0, {"speed": 24.0}, "driving the same way"),
+        (-40.0, {"speed": 5.0}, "driving slowly"),
+        (40.0, {"speed": 0.0}, "standing still"),
+    ],
+)
+def test_a_driver_is_slow_at_the_speed_at_which_it_drives(ahead_m, parameters, doing):
+    scene = example_scene()
+    (box,) = scene.actors
+    driver = box.model_copy(
+        update={
+            "asset": "car",
+            "placement": Placement(ahead_m=ahead_m),
+            "behaviour": Behaviour(name="follow_lane", parameters=parameters),
+        }
+    )
+    catalogue = FlatSimulator().catalogue()
+    (told,) = visible_of(
+        (driver,), scene.hazard, scene.weather, Ego(speed=25.0), scene.map, catalogue
+    )
+    assert told.doing == doing
+
+
+@pytest.mark.parametrize(
+    ("weather", "told"),
+    [
+        (Weather(sun_elevation_deg=-8.0), "darkness"),
+        (Weather(sun_elevation_deg=-2.0), "twilight"),
+        (Weather(sun_elevation_deg=6.0), "low sun"),
+        (Weather(sun_elevation_deg=6.0, cloud_cover=1.0), "unusual weather"),
+        (Weather(sun_elevation_deg=6.0, fog_visual_range_m=80.0), "fog"),
+    ],
+)
+def test_a_low_sun_is_told_only_where_it_shines(weather, told):
+    scene = example_scene()
+    hazard = Hazard(weather=Weather())
+    catalogue = FlatSimulator().catalogue()
+    seen_of_it = visible_of((), hazard, weather, scene.ego, scene.map, catalogue)
+    assert [one.what for one in seen_of_it] == [told]
+
+
+@pytest.mark.parametrize(
+    ("description", "what"),
+    [("", "cardboard box"), (" ", "cardboard box"), ("A big\nbox", "big box"), ("The box", "box")],
+)
+def test_descriptions_of_an_own_catalogue_are_told_in_one_line(description, what):
+    scene, catalogue = example_scene(), FlatSimulator().catalogue()
+    box = catalogue.asset("cardboard_box").model_copy(update={"description": description})
+    own = catalogue.model_copy(update={"assets": (box,)})
+    (told,) = visible_of(scene.actors, scene.hazard, scene.weather, scene.ego, scene.map, own)
+    assert told.what == what

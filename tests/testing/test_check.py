@@ -12,7 +12,7 @@ import pytest
 
 from oodscen.data._scene import Weather
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
-from oodscen.errors import SpawnError, UnknownComponent
+from oodscen.errors import SpawnError, UnknownComponent, UsageError
 from oodscen.protocols import Control, Frame, State
 from oodscen.testing import check_simulator, simulator_checks
 from oodscen.testing._check import PARTS, QUICK, examine_parts
@@ -218,6 +218,19 @@ def test_the_flat_simulator_keeps_the_protocol() -> None:
 def test_unknown_parts_are_refused() -> None:
     with pytest.raises(UnknownComponent):
         check_simulator(FlatSimulator, parts=("framez",))
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"parts": ()},
+        {"parts": ("leaks", "process"), "quick": True},
+        *({"parts": ("leaks",), "resets": resets} for resets in (0, -3, 4, 7.5)),
+    ],
+)
+def test_a_check_of_nothing_is_refused(options) -> None:
+    with pytest.raises(UsageError, match="|".join(options)):
+        check_simulator(FlatSimulator, **options)
 
 
 def test_a_result_that_depends_on_the_process_is_found(tmp_path, monkeypatch) -> None:

@@ -6,6 +6,8 @@ from functools import cache
 from operator import itemgetter
 from typing import Any
 
+from lxml import etree
+
 from oodscen.errors import DataError, Issue, MissingExtra
 from oodscen.interchange._writing.roads import RoadFile
 
@@ -44,13 +46,22 @@ def mcap_trace(messages: Iterator[tuple[int, bytes]], road: RoadFile) -> bytes:
         schema = writer.register_schema(kind, "protobuf", _message_types(kind))
         channels[kind] = writer.register_channel(topic, "protobuf", schema, channel_metadata)
     road_message = betterosi.MapAsamOpenDrive(
-        map_reference=road.name, open_drive_xml_content=road.content.decode("utf-8", "replace")
+        map_reference=road.name, open_drive_xml_content=_xml_text(road.content)
     )
     writer.add_message(channels[ROAD], 0, road_message.to_binary(), 0)
     for time_ns, message in messages:
         writer.add_message(channels[TRUTH], time_ns, message, time_ns)
     writer.finish()
     return out.getvalue()
+
+
+def _xml_text(content: bytes) -> str:
+    """Return an XML file as text; one in another encoding gets a declaration of UTF-8."""
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        root = etree.fromstring(content, etree.XMLParser(resolve_entities=False, no_network=True))
+        return etree.tostring(root, encoding="UTF-8", xml_declaration=True).decode()
 
 
 def mcap_messages(data: bytes, source: str) -> list[bytes]:

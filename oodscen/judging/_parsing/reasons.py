@@ -34,7 +34,7 @@ def _is_denied(clause: re.Match[str]) -> bool:
 
 
 _BAD = (
-    r"(?:an? |the )?(?:(?:\w+ly|very|too|so) )?(?:dangerous|unsafe|forbidden|illegal|prohibited|wrong|incorrect|bad|worst|worse|fatal"
+    r"(?:an? |the )?(?:(?:(?!hardly)\w+ly|very|too|so|most) )?(?:dangerous|unsafe|forbidden|illegal|prohibited|wrong|incorrect|bad|worst|worse|fatal"
     r"|deadly|lethal|suicid\w+|impossible|reckless|out of the question|ruled out|terrible|stupid|mistake|no option|unnecessary|needless|pointless|false|lie|decoy|joke)"
 )
 _KINDS = {
@@ -42,7 +42,8 @@ _KINDS = {
     "c": "[,:]",
     "b": rf"(?:far |much )?too \w+|{_BAD}|risk(?:y|ier)|risks?(?: an?)?(?! (?:of|in)\b)|un(?:wise|acceptable)|in(?:sufficient|adequate|appropriate|advisable)|useless"
     r"|irresponsible|negligent|foolish|excessive|overkill|hazardous|catastrophic|disastrous|problem|last thing|be avoided|puts? (?:\w+ ){1,3}at risk"
-    r"|(?:poses?|creates?) (?:an? )?(?!no )(?:\w+ )?(?:danger|threat|risk|hazard)|makes? (?:things|it|matters|the situation) (?:worse|more dangerous)"
+    r"|(?:poses?|creates?) (?:an? |the )?(?!(?:no|little|less|least|low(?:er|est)?|small(?:er|est)?|minimal|minor|negligible) )(?:\w+ )?"
+    r"(?:danger|threat|risk|hazard)|makes? (?:things|it|matters|the situation) (?:worse|more dangerous)"
     r"|(?:make|let)s? (?:(?!not )\w+ ){1,4}(?:hit|strike|ram)|(?:kill|endanger|harm|hurt|injure|hit|strike|ram|collide|die)s?"
     rf"|(?:rear end )?{CRASH}|crashes|pile up",
     "m": rf"not(?= {GERUND})",

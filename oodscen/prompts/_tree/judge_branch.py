@@ -148,6 +148,8 @@ class JudgeBranch(Prompt[BranchJudgement]):
             return addition.name in {behaviour.id for behaviour in catalogue.behaviours}
         if addition.kind == "weather":
             return catalogue.limits.offers(addition.name)
+        if addition.kind == "state":
+            return addition.name in self._vocabulary()["states"]
         return False
 
 

@@ -200,9 +200,9 @@ class Pruner(Brief):
         )
 
     def _stood_for(self, substitutes: Sequence[SubstitutedAsset]) -> tuple[Addition, ...]:
-        """Return the things that refused substitutes stand for, as additions to the catalogue."""
+        """Return the things that refused substitutes stand for, each once, as additions to the catalogue."""
         categories = {asset.id: asset.category for asset in self.catalogue.assets}
-        return tuple(
+        additions = (
             Addition(
                 kind="asset",
                 name=substitute.stands_for,
@@ -210,6 +210,7 @@ class Pruner(Brief):
             )
             for substitute in substitutes
         )
+        return tuple({addition.name: addition for addition in additions}.values())
 
 
 def _default_reason(keep: bool, lacks: Sequence[Addition]) -> str:

@@ -99,16 +99,14 @@ def restoration(decisions: Iterable[PruneDecision]) -> Restoration:
 def _needs(dropped: Iterable[PruneDecision]) -> Needs:
     """Return the additions that restore each leaf, without leaves that no addition restores.
 
-    Additions of one kind and name are one, whatever category and case the model gave them.
+    Additions of one thing are one, however the model wrote it and whatever category it gave.
     """
-    first: dict[tuple[str, str], Addition] = {}
+    first: dict[object, Addition] = {}
     needs: Needs = {}
     for leaf in dropped:
         if not leaf.lacks or any(lack.kind == "other" for lack in leaf.lacks):
             continue
-        additions = (
-            first.setdefault((lack.kind, lack.name.casefold()), lack) for lack in leaf.lacks
-        )
+        additions = (first.setdefault(lack.key, lack) for lack in leaf.lacks)
         needs[leaf.id] = tuple(dict.fromkeys(additions))
     return needs
 

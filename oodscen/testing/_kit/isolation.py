@@ -35,7 +35,7 @@ NEEDS_GUARD = (
 )
 """The finding about a script without a main guard."""
 
-_BLOCKS = 5
+BLOCKS = 5
 """Number of blocks into which the resets of the search for leaks are divided."""
 _SEED = 3
 
@@ -126,7 +126,7 @@ def _check_resets(probe: Probe) -> None:
     peak does not affect.
     """
     with _settled_heap():
-        _, first, *_, last = [_least_usage(probe) for _ in range(_BLOCKS)]
+        _, first, *_, last = [_least_usage(probe) for _ in range(BLOCKS)]
     leave, expect = f"{probe.resets} resets leave", probe.findings.expect
     grown_bytes = last.resident_bytes - first.resident_bytes
     expect(grown_bytes <= LEAK_BYTES, "", f"{leave} {grown_bytes / 2**20:.1f} MiB of memory behind")
@@ -159,7 +159,7 @@ def _least_usage(probe: Probe) -> _Usage:
     """Make a fifth of the resets and return the minima of what this process held meanwhile."""
     simulator, scenes, camera = probe.simulator, probe.scenes[:2], probe.camera()
     usages = []
-    for index in range(max(1, probe.resets // _BLOCKS)):
+    for index in range(probe.resets // BLOCKS):
         simulator.reset(scenes[index % len(scenes)], index % 3)
         if index % 8 == 0:
             simulator.render(camera)

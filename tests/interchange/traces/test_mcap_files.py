@@ -6,12 +6,13 @@ from functools import cache
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from lxml import etree
 
 from oodscen.errors import DataError, UnknownComponent
 from oodscen.interchange._traces.mcap_files import mcap_trace
 from oodscen.interchange._traces.osi_reading import read_osi_trace
 from oodscen.interchange._traces.osi_writing import osi_trace
-from oodscen.interchange._writing.roads import road_file
+from oodscen.interchange._writing.roads import RoadFile, road_file
 from tests.interchange.staging import SCENES, catalogue
 
 SCENE = SCENES[0]
@@ -42,6 +43,21 @@ def test_the_published_library_reads_the_messages_and_the_road(tmp_path):
     road = road_file(SCENE, catalogue())
     (held,) = betterosi.read(path, mcap_topics=["ground_truth_map"])
     assert held.open_drive_xml_content.encode() == road.content
+
+
+@pytest.mark.parametrize("encoding", ["UTF-8", "utf-8-sig", "ISO-8859-1", "UTF-16"])
+def test_a_road_in_any_encoding_is_held_as_text(encoding, tmp_path):
+    betterosi = pytest.importorskip("betterosi")
+    declared = encoding.removesuffix("-sig")
+    declaration = f"<?xml version='1.0' encoding='{declared}'?>"
+    text = f"{declaration}<OpenDRIVE><road name='Hauptstra\u00dfe'/></OpenDRIVE>"
+    path = tmp_path / "run.mcap"
+    road = RoadFile("road.xodr", text.encode(encoding))
+    path.write_bytes(mcap_trace(iter([]), road))
+    (held,) = betterosi.read(path, mcap_topics=["ground_truth_map"])
+    content = held.open_drive_xml_content
+    assert content.startswith("<?xml")
+    assert etree.fromstring(content.encode())[0].get("name") == "Hauptstra\u00dfe"
 
 
 @pytest.mark.parametrize("cut", [0, 1, 9, 5_000, -1, -40])

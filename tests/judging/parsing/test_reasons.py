@@ -56,7 +56,8 @@ The lane ahead is not clear, so the ego vehicle should {0}.|There are no vehicle
 {1} ensures that no collision occurs.|Other options such as swerving are too risky, while {1} is safe.
 If we do not {0} now, the ego may hit the pedestrian.|It would be foolish not to {0} in such fog.
 The van is not moving, and I see no reason against {1}.|We have no alternative but to {0}.|{1} is the only action that does not risk a crash.
-There is nothing dangerous about {1} here.|{1} is not forbidden here.|{1} would not be a mistake.|I am not sure, but {1} seems right.
+{1} poses little risk.|{1} poses less risk than waiting.|{1} poses a lower risk.|{1} would pose minimal risk.|{1} creates less danger for others.
+{1} poses the least risk.|{1} is hardly dangerous here.|There is nothing dangerous about {1} here.|{1} is not forbidden here.|{1} would not be a mistake.|I am not sure, but {1} seems right.
 {1} is better than doing nothing.|Doing nothing is worse than {1}.|{1} could be dangerous if a truck were behind, but there is none.
 I do not believe that {1} is too cautious.|It is hard to see, so {1} is advisable.|{1} reduces the severity of an unavoidable impact.
 The pedestrian may be hit if we do not {0}.|We risk a collision if we do not {0}.|No one is in danger because of {1}.
@@ -109,6 +110,7 @@ Visibility is poor, which makes {1} unsafe.|I would not recommend {1}.|The ego s
 {1} is not an appropriate response.|We won't be able to {0} in time.|There isn't enough distance to {0}.|It is better not to {0}.
 I would rather not {0}.|{1} would be suicidal.|{1} is the worst thing to do.|The ego vehicle is unable to {0}.|{1} is not allowed here.
 {1} must be avoided at all costs.|{1} is certainly not the best action.|{1} is not warranted.|{1} poses a serious danger to the cyclist.
+{1} poses the greatest risk.|{1} is the most dangerous option.|{1} poses more risk than waiting.
 {1} would almost certainly cause a crash.|{1} would kill the cyclist.|We should avoid {1}.|Due to the ice, {1} is not possible.
 I cannot recommend {1}.|{1} is therefore ruled out.
 {1} is not the answer here.|{1} would be downright dangerous.|Sadly we cannot {0}.|{1} would be extremely risky.|It would be irresponsible to {0}.

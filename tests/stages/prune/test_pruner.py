@@ -217,6 +217,27 @@ def test_a_refused_substitute_tells_what_the_catalogue_lacks():
     assert asked[0].exact
 
 
+def test_what_two_refused_substitutes_stand_for_is_missing_once():
+    herd = [{"asset": asset, "stands_for": "moose"} for asset in ("deer", "cow")]
+    answer = {"simulatable": True, "substitutes": herd}
+    exact = Pruner(ScriptedLLM([answer]), FlatSimulator().catalogue(), substitutes=False)
+    (moose,) = exact.decisions(planted("Moose"))
+    assert moose.missing == ("an asset: moose",)
+    assert moose.reason == "missing: an asset: moose"
+
+
+@pytest.mark.parametrize("substitutes", [True, False])
+def test_a_substitute_for_nothing_is_asked_about_again(substitutes):
+    answers = [
+        {"simulatable": True, "substitutes": [{"asset": "cow", "stands_for": name}]}
+        for name in (" ", "bison")
+    ]
+    llm = ScriptedLLM(answers)
+    pruner = Pruner(llm, FlatSimulator().catalogue(), substitutes=substitutes)
+    (bison,) = pruner.decisions(planted("Bison"))
+    assert (bison.status, bison.keep) == ("ok", substitutes)
+
+
 def test_every_node_has_a_reason_even_where_the_model_gives_none():
     silent = {"reasoning": " ", "simulatable": False, "missing": ["unicorn"]}
     tree = planted("Unicorn", "Deer")

@@ -92,3 +92,18 @@ def test_a_leaf_about_which_nobody_could_be_asked_is_neither():
     )
     found = restoration([failed])
     assert (found.unknown, found.beyond, found.dropped) == (("a",), (), 1)
+
+
+@pytest.mark.parametrize(
+    "spellings",
+    [
+        ("map: tunnel + junction", "map: Junction+tunnel"),
+        ("state: car: open", "state: Car:open"),
+        ("an asset: fallen tree", "Fallen_Tree"),
+    ],
+)
+def test_one_thing_is_ranked_once_however_a_model_spells_it(spellings):
+    lacks = [(Addition.model_validate(spelling),) for spelling in spellings]
+    found = restoration(decided([*lacks, (lacks[0][0], lacks[1][0])]))
+    (only,) = found.single
+    assert (only.paths, only.helps) == (("n0", "n1", "n2"), 3)
