@@ -42,13 +42,14 @@ def refuse_added(store: Store, per_path: int) -> None:
     Raises:
         DataError: If `scenarios.jsonl` has a text that is none of its path's own.
     """
-    seen = set()
+    free: dict[str, set[str]] = {}
     for number, line in store.numbered("scenarios.jsonl"):
         leaf, name = line.get("leaf", ""), line["id"]
         if "error" in line:
             continue
-        own = {text_id(leaf, count) for count in range(1, per_path + 1)}
-        if name not in own or name in seen:
+        if leaf not in free:
+            free[leaf] = {text_id(leaf, count) for count in range(1, per_path + 1)}
+        if name not in free[leaf]:
             path = (
                 f"the path {leaf!r} has {per_path} texts in this study"
                 if leaf
@@ -60,7 +61,7 @@ def refuse_added(store: Store, per_path: int) -> None:
             )
             source = f"{store.path('scenarios.jsonl')}, line {number}"
             raise DataError(Scenario.noun, [Issue("", fault)], source=source)
-        seen.add(name)
+        free[leaf].remove(name)
 
 
 def describe_sets(run: Context, tree: ScenarioTree) -> dict[int, list[Scenario]]:
