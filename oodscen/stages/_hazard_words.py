@@ -2,7 +2,7 @@
 
 import math
 import textwrap
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -11,11 +11,20 @@ from oodscen.claims._surroundings import HEAVY_RAIN, HEAVY_SNOW
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue
 from oodscen.data._details import DetailKinds, described
 from oodscen.data._map_state import MapPart, MapState
-from oodscen.data._scene import DARK_DEG, FOG_M, Actor, Ego, Hazard, Visible, Weather
+from oodscen.data._scene import (
+    DARK_DEG,
+    FOG_M,
+    Actor,
+    Ego,
+    Hazard,
+    Placement,
+    Visible,
+    Weather,
+)
 from oodscen.driving._motion.behaviour_codes import Code
 from oodscen.driving._motion.behaviours import BUILT_IN
 from oodscen.driving._roads.building import load_corridor
-from oodscen.driving._roads.corridor import ego_strip
+from oodscen.driving._roads.corridor import Corridor, ego_strip
 from oodscen.errors import OodscenError
 
 _INSIDE_M = 1.4
@@ -91,13 +100,13 @@ def visible_of(
         {kind.id: kind for kind in catalogue.behaviours},
         catalogue.details or DetailKinds(),
         motions,
-        _oncoming_lanes(ego, map_id, catalogue),
+        _Lanes.seen_by(ego, map_id, catalogue),
         ego.speed,
     )
     visibles = [
         Visible(
             what=_without_article(_described(actor, setting)),
-            where=_where(actor, setting.oncoming),
+            where=_where(actor.placement, setting.lanes),
             doing=_doing(actor, setting),
         )
         for actor in actors
@@ -121,6 +130,41 @@ def visible_of_map(state: MapState | None) -> tuple[Visible, ...]:
     )
 
 
+class _Lanes(NamedTuple):
+    """The driving lanes of a road, counted to the left of the ego's."""
+
+    road: Corridor | None = None
+    """The road; `None` if it cannot be read."""
+    strips: Mapping[int, int] = MappingProxyType({})
+    """The strip of each lane."""
+
+    @classmethod
+    def seen_by(cls, ego: Ego, map_id: str, catalogue: Catalogue) -> "_Lanes":
+        """Return the lanes of a map; none if its road cannot be read."""
+        try:
+            road = load_corridor(map_id, catalogue)
+            own = road.driving.index(ego_strip(road, ego.lane))
+        except (OodscenError, ValueError):
+            return cls()
+        return cls(road, {number - own: strip for number, strip in enumerate(road.driving)})
+
+    def is_oncoming(self, lane: int) -> bool:
+        """Return whether the traffic of a lane comes towards the ego."""
+        if self.road is None or lane not in self.strips:
+            return False
+        return self.road.strips[self.strips[lane]].direction < 0
+
+    def beneath(self, place: Placement) -> tuple[int | None, float]:
+        """Return the lane at a place and the offset from its centre; beside all lanes `None` and that from the ego's."""
+        if self.road is None or place.lane not in self.strips:
+            return place.lane, place.offset_m
+        s = self.road.start + place.ahead_m
+        t = self.road.centre(self.strips[place.lane], s) + place.offset_m
+        beneath = self.road.strip_at(s, t)
+        lane = next((lane for lane, strip in self.strips.items() if strip == beneath), None)
+        return lane, t - self.road.centre(self.strips[lane or 0], s)
+
+
 class _Setting(NamedTuple):
     """The setting on which the words for an actor depend."""
 
@@ -129,8 +173,7 @@ class _Setting(NamedTuple):
     details: DetailKinds
     motions: Mapping[str, str]
     """The looks of motions made to order, by id."""
-    oncoming: Collection[int]
-    """Oncoming lanes, counted to the left of the ego's."""
+    lanes: _Lanes
     ego_speed: float
 
 
@@ -153,31 +196,19 @@ def _described(actor: Actor, setting: _Setting) -> str:
     return described(description, details, setting.assets, setting.details)
 
 
-def _oncoming_lanes(ego: Ego, map_id: str, catalogue: Catalogue) -> frozenset[int]:
-    """Return the lanes of oncoming traffic, counted to the left of the ego's; none of a road that cannot be read."""
-    try:
-        road = load_corridor(map_id, catalogue)
-        own = road.driving.index(ego_strip(road, ego.lane))
-    except (OodscenError, ValueError):
-        return frozenset()
-    return frozenset(
-        number - own
-        for number, strip in enumerate(road.driving)
-        if road.strips[strip].direction < 0
-    )
-
-
-def _where(actor: Actor, oncoming: Collection[int]) -> str:
-    placement = actor.placement
-    if placement.ahead_m < 0.0:
+def _where(place: Placement, lanes: _Lanes) -> str:
+    if place.ahead_m < 0.0:
         return "behind the ego vehicle"
-    if placement.lane == 0 and abs(placement.offset_m) > _INSIDE_M:
-        return f"beside the ego's lane on the {'left' if placement.offset_m > 0.0 else 'right'}"
-    if placement.lane == 0:
+    is_beside = place.lane != 0 and abs(place.offset_m) > _INSIDE_M
+    lane, offset_m = lanes.beneath(place) if is_beside else (place.lane, place.offset_m)
+    if lane == 0 and abs(offset_m) <= _INSIDE_M:
         return "in the ego's lane"
-    if placement.lane in oncoming:
-        return "in the oncoming lane"
-    return f"in a lane to the {'left' if placement.lane > 0 else 'right'}"
+    side = "left" if (lane or offset_m) > 0.0 else "right"
+    if lane is None:
+        return f"beside the lanes on the {side}"
+    if lane == 0:
+        return f"beside the ego's lane on the {side}"
+    return "in the oncoming lane" if lanes.is_oncoming(lane) else f"in a lane to the {side}"
 
 
 def _doing(actor: Actor, setting: _Setting) -> str:
@@ -203,7 +234,7 @@ def _movement(actor: Actor, setting: _Setting) -> str:
     if kind is None or row is None:
         return setting.motions.get(does.name, "moving")
     heading_deg = 180.0 if row.code == Code.WRONG_WAY else placement.heading_deg
-    if placement.lane in setting.oncoming:
+    if setting.lanes.is_oncoming(placement.lane):
         heading_deg += 180.0
     turned = abs(math.remainder(heading_deg, 360.0))
     if row.code in (Code.FOLLOW_LANE, Code.WRONG_WAY):

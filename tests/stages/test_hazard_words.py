@@ -139,12 +139,49 @@ def test_places_are_told_as_the_ego_sees_them():
         "beside the ego's lane on the right": {"offset_m": -3.0},
         "beside the ego's lane on the left": {"offset_m": 2.0},
         "in the oncoming lane": {"lane": 1},
+        "beside the lanes on the left": {"lane": 1, "offset_m": 3.0},
         "behind the ego vehicle": {"ahead_m": -20.0},
     }
     for where, changes in wheres.items():
         (one,) = seen(**changes)
         assert (one.what, one.where) == ("large cardboard box", where)
         assert one.doing == "standing still"
+
+
+LANE_M = 3.5
+"""Width of the lanes of the map with three lanes one way, m."""
+
+
+@pytest.mark.parametrize(
+    ("own", "lane", "offset_m", "where"),
+    [
+        (1, -1, 1.3, "in a lane to the right"),
+        (1, -1, -1.5, "in a lane to the right"),
+        (1, -1, -2.4, "beside the lanes on the right"),
+        (1, 1, 2.4, "beside the lanes on the left"),
+        (1, -1, LANE_M, "in the ego's lane"),
+        (1, -1, LANE_M + 1.5, "beside the ego's lane on the left"),
+        (1, -1, 2.0, "beside the ego's lane on the right"),
+        (0, 2, -LANE_M, "in a lane to the left"),
+    ],
+)
+def test_a_place_is_told_by_what_is_beneath_it_and_not_by_the_lane_it_is_counted_from(
+    own, lane, offset_m, where
+):
+    ego = example_scene().ego.model_copy(update={"lane": own})
+    (one,) = seen("urban_three_lane", ego, lane=lane, offset_m=offset_m)
+    assert one.where == where
+
+
+@given(st.integers(0, 2), st.floats(-6.0, 13.0))
+def test_a_place_has_the_same_name_from_every_other_lane(own, across_m):
+    ego = example_scene().ego.model_copy(update={"lane": own})
+    told = {
+        seen("urban_three_lane", ego, lane=number - own, offset_m=across_m - LANE_M * number)
+        for number in range(3)
+        if number != own and abs(across_m - LANE_M * number) > LANE_M / 2
+    }
+    assert len(told) <= 1
 
 
 def test_poses_are_told_as_what_somebody_does_and_parts_as_what_is_seen():
