@@ -184,10 +184,10 @@ def _doing(actor: Actor, setting: _Setting) -> str:
     """Return what an actor does, in which pose and with which lights."""
     asset = setting.assets[actor.asset]
     usual = asset.states[0] if asset.states else ""
-    state = actor.state or usual
+    state, movement = actor.state or usual, _movement(actor, setting)
     if state in _SIGNALS and asset.category in ("signal", "work_zone"):
-        return _SIGNALS[state]
-    movement = _movement(actor, setting)
+        signal = _SIGNALS[state]
+        return signal if movement == _STANDING else _shortened(f"{movement}, {signal}")
     pose = setting.details.pose(actor.details.pose) if actor.details else None
     if pose is not None:
         movement = pose.doing if movement == _STANDING else f"{movement}, {pose.doing}"

@@ -100,6 +100,11 @@ def test_the_usual_state_is_told_alike_whether_it_is_named_or_not(asset):
     assert (told(asset=asset).doing == "showing red") is is_light
 
 
+def test_a_signal_that_moves_is_told_as_moving():
+    assert told(asset="temporary_light", name="roll_away").doing == "rolling, showing red"
+    assert told(asset="temporary_light", state="green").doing == "showing green"
+
+
 def test_a_behaviour_of_a_simulators_own_is_told_as_the_one_that_it_is_like():
     catalogue = load_catalogue()
     nap = catalogue.behaviour("stand").model_copy(update={"id": "nap", "like": "stand"})
