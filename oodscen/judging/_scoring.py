@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple, Self
 
+from oodscen._redaction import redact
 from oodscen.data._base import Data
 from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._pairing import is_ordinary, scene_of
@@ -155,7 +156,7 @@ def score_answers(key: AnswerKey, answers: GivenAnswers, judge: LLM | None = Non
         kind=answers.kind,
         status="failed" if error else "ok",
         outcome=_outcome(error) if error else _answered(key, answers.fields.get("action")),
-        error=str(error)[:_LONGEST_ERROR] if error else None,
+        error=redact(str(error))[:_LONGEST_ERROR] if error else None,
         error_type=type(error).__name__ if error else "",
         retryable=any(getattr(failure, "retryable", False) for failure in answers.failures),
         protocol=answers.protocol,
@@ -207,13 +208,19 @@ _KEPT_OF_REFERENCES = {
 """Fields of a reference's stored verdict that do not follow from its answers here."""
 
 
+def answers_in(verdict: Verdict) -> dict[str, Any]:
+    """Return the answers that a stored verdict holds, by its fields."""
+    names = ("is_ood", "aspect", "choice", "action")
+    values = {name: getattr(verdict, name) for name in names}
+    return {name: value for name, value in values.items() if value is not None}
+
+
 def is_scored(verdict: Verdict, key: AnswerKey, opinions: Mapping[str, Opinion]) -> bool:
     """Return whether a stored verdict is scored as its answers are, by the truth or its judge's opinion.
 
     `opinions` are those of judges, by id.
     """
-    stored = {name: getattr(verdict, name) for name in ("is_ood", "aspect", "choice", "action")}
-    fields = {name: value for name, value in stored.items() if value is not None}
+    fields = answers_in(verdict)
     is_judged = is_open(verdict) and bool(verdict.judge)
     if is_judged:
         fields["is_ood"] = None
@@ -226,7 +233,7 @@ def is_scored(verdict: Verdict, key: AnswerKey, opinions: Mapping[str, Opinion])
             return False
         scores |= {"thing_is_right": opinion.is_thing, "aspect_is_right": opinion.is_same}
     if verdict.choice is None and verdict.choice_is_right is False:
-        # A person who chose none of the options is wrong.
+        # A person or a reference that chose none of the options is wrong.
         scores["choice_is_right"] = False
     if verdict.status == "ok":
         scores["outcome"] = _answered(key, verdict.action)

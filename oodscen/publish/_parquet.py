@@ -97,7 +97,7 @@ def _questions(drives: Sequence[PublishedDrive]) -> list[dict[str, Any]]:
                 "answer": row.answer,
                 "accepted": list(row.accepted),
                 "neutral": list(row.neutral),
-                "path": list(drive.asked.truth.path),
+                "path": list(drive.asked.key.path),
                 "key": key,
             }
             for row in question_rows(drive)
@@ -116,7 +116,7 @@ def _drive(drive: PublishedDrive, demands: dict[str, Scene]) -> dict[str, Any]:
         "item": episode.scene_id,
         "map": scene.map if scene else "",
         "text": _text(drive, scene),
-        "path": list(asked.truth.path),
+        "path": list(asked.key.path),
         "ego_speed_mps": episode.ego_speed_mps,
         "frame_times_s": list(asked.shown.facts.times_s),
         "frame_sha256": [image.sha256 for image in drive.images],

@@ -66,8 +66,8 @@ class PublishedDrive:
     @cached_property
     def oracle(self) -> Answers:
         """The right answers."""
-        truth, episode = self.asked.truth, self.asked.episode
-        return Oracle().judge(Case(episode, truth.path, truth.leaf, self.asked.options))
+        key, episode = self.asked.key, self.asked.episode
+        return Oracle().judge(Case(episode, key.path, key.leaf, key.options))
 
 
 @dataclass(frozen=True)
@@ -153,7 +153,7 @@ def _acting_row(drive: PublishedDrive) -> QuestionRow:
 
 def labels_of_leaves(asked: Iterable[AskedDrive]) -> dict[str, str]:
     """Return the labels of the kinds of situation in some drives, by leaf of the tree."""
-    return {drive.truth.leaf: drive.truth.path[-1] for drive in asked if drive.truth.path}
+    return {drive.key.leaf: drive.key.path[-1] for drive in asked if drive.key.path}
 
 
 def published_drives(asked: list[AskedDrive], splits: Mapping[str, Split]) -> list[PublishedDrive]:
@@ -165,7 +165,7 @@ def published_drives(asked: list[AskedDrive], splits: Mapping[str, Split]) -> li
     }
     return [
         PublishedDrive(
-            drive, splits.get(drive.truth.leaf, "test"), owners[scene_of(drive.episode.scene_id)]
+            drive, splits.get(drive.key.leaf, "test"), owners[scene_of(drive.episode.scene_id)]
         )
         for drive in asked
         if scene_of(drive.episode.scene_id) in owners

@@ -114,7 +114,7 @@ def draw_drives(study: Study, scenes: int) -> Sequence[AskedDrive]:
     rare = {drive.episode.scene_id: drive for drive in asked if not drive.episode.is_ordinary}
     scenes_of: dict[str, list[str]] = {}
     for name in sorted(rare):
-        scenes_of.setdefault(rare[name].truth.leaf, []).append(name)
+        scenes_of.setdefault(rare[name].key.leaf, []).append(name)
     random = stream(study.config.seed, "quiz")
     ranked = [
         (rank, float(random.random()), scenes_of[leaf][int(index)])

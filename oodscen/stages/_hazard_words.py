@@ -215,10 +215,10 @@ def _doing(actor: Actor, setting: _Setting) -> str:
     """Return what an actor does, in which pose and with which lights."""
     asset = setting.assets[actor.asset]
     usual = asset.states[0] if asset.states else ""
-    state = actor.state or usual
+    state, movement = actor.state or usual, _movement(actor, setting)
     if state in _SIGNALS and asset.category in ("signal", "work_zone"):
-        return _SIGNALS[state]
-    movement = _movement(actor, setting)
+        signal = _SIGNALS[state]
+        return signal if movement == _STANDING else _shortened(f"{movement}, {signal}")
     pose = setting.details.pose(actor.details.pose) if actor.details else None
     if pose is not None:
         movement = pose.doing if movement == _STANDING else f"{movement}, {pose.doing}"
@@ -237,12 +237,12 @@ def _movement(actor: Actor, setting: _Setting) -> str:
     if setting.lanes.is_oncoming(placement.lane):
         heading_deg += 180.0
     turned = abs(math.remainder(heading_deg, 360.0))
+    default = kind.parameters["speed"].default if "speed" in kind.parameters else math.inf
+    speed = does.parameters.get("speed", default)
+    if speed == 0.0:
+        return _STANDING
+    is_ahead = placement.ahead_m >= 0.0
     if row.code in (Code.FOLLOW_LANE, Code.WRONG_WAY):
-        default = kind.parameters["speed"].default if "speed" in kind.parameters else math.inf
-        speed = does.parameters.get("speed", default)
-        if speed == 0.0:
-            return _STANDING
-        is_ahead = placement.ahead_m >= 0.0
         if turned > 90.0:
             return _TOWARDS_EGO if is_ahead else "driving the other way"
         if speed < _SLOW * setting.ego_speed:
@@ -253,7 +253,7 @@ def _movement(actor: Actor, setting: _Setting) -> str:
     if turned < _ALONG_DEG:
         return "moving the same way"
     if turned > _TOWARDS_DEG:
-        return _TOWARDS_EGO
+        return _TOWARDS_EGO if is_ahead else "moving the other way"
     side = "right" if math.sin(math.radians(heading_deg)) > 0.0 else "left"
     return f"{row.doing} from the {side}"
 
@@ -267,11 +267,11 @@ def _phenomena(weather: Weather, ordinary: Weather) -> list[str]:
     if rate > ordinary.precipitation_mm_h or form not in ("none", ordinary.precipitation):
         phenomena.append(f"heavy {form}" if rate >= _HEAVY[form] else form)
     sun_deg = weather.sun_elevation_deg
-    if sun_deg < DARK_DEG < ordinary.sun_elevation_deg:
+    if sun_deg < DARK_DEG <= ordinary.sun_elevation_deg:
         phenomena.append("darkness")
     elif sun_deg <= 0.0 < ordinary.sun_elevation_deg:
         phenomena.append("twilight")
-    elif sun_deg < _LOW_DEG < ordinary.sun_elevation_deg and not _is_veiled(weather):
+    elif sun_deg < _LOW_DEG <= ordinary.sun_elevation_deg and not _is_veiled(weather):
         phenomena.append("low sun")
     if weather.friction < min(_SLIPPERY, ordinary.friction):
         phenomena.append("ice or water on the road")

@@ -10,14 +10,13 @@ from oodscen.data._messages import Image
 from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
-from oodscen.judging._kinds import Kinds
-from oodscen.judging._questions import ShownDrive, aspect_options
+from oodscen.judging._questions import ShownDrive
 from oodscen.judging._references import AspectOption
-from oodscen.judging._scoring import AnswerKey, Truth
-from oodscen.judging._selection import choose_items
+from oodscen.judging._scoring import AnswerKey
 from oodscen.protocols import Camera
 from oodscen.study._frames import frames_of
 from oodscen.study._stale import refuse_stale
+from oodscen.study._stale_verdicts import AnswerKeys, Judged, is_shown
 
 if TYPE_CHECKING:
     from oodscen.study._store import Store
@@ -32,8 +31,8 @@ class AskedDrive:
     scenario: Scenario | None
     """The text of the scene, or of the scene to which the ordinary drive belongs."""
     scene: Scene | None
-    options: tuple[AspectOption, ...]
-    """Options of the closed question, as shown."""
+    key: AnswerKey
+    """Everything that answers are scored by."""
     store: "Store"
     """The study's folder, which holds the pictures."""
     camera: Camera
@@ -55,14 +54,9 @@ class AskedDrive:
         return ShownDrive.of(self.episode, self.frames)
 
     @property
-    def key(self) -> AnswerKey:
-        """Everything that answers are scored by."""
-        return AnswerKey.of(self.episode, self.truth, self.options)
-
-    @property
-    def truth(self) -> Truth:
-        """The truth about the drive."""
-        return Truth.of(self.scenario, self.scene)
+    def options(self) -> tuple[AspectOption, ...]:
+        """The options of the closed question, as shown."""
+        return self.key.options
 
 
 def asked_drives(study: "Study") -> list[AskedDrive]:
@@ -74,19 +68,22 @@ def asked_drives(study: "Study") -> list[AskedDrive]:
         DataError: If a table of the study cannot be read or is malformed.
         UsageError: If a scene or its text has changed since it was run.
     """
-    config, episodes = study.config, study.episodes
-    scenarios = {scenario.id: scenario for scenario in study.scenarios}
-    scenes = {scene.id: scene for scene in study.scenes}
-    refuse_stale(study, episodes, scenes.values())
-    maps = {name: scene.map for name, scene in scenes.items()}
-    kinds = Kinds.of(list(scenarios.values()), maps, seed=config.seed)
-    drives = []
-    for episode in choose_items(episodes, count=config.ordinary, seed=config.seed):
-        name = scene_of(episode.scene_id)
-        if episode.status != "ok" or not episode.frames:
-            continue
-        scenario, scene = scenarios.get(name), scenes.get(name)
-        offered = kinds.offered(scenario.leaf if scenario else "", maps.get(name, ""))
-        options = aspect_options(offered, seed=config.seed, item=episode.scene_id)
-        drives.append(AskedDrive(episode, scenario, scene, options, study.store, config.camera))
-    return drives
+    config, scenarios, scenes = study.config, study.scenarios, study.scenes
+    episodes = study.episodes
+    refuse_stale(study, episodes, scenes)
+    judged = Judged.of(episodes, scenes, config)
+    keys = AnswerKeys(scenarios, judged.scenes, seed=config.seed)
+    scenario_by_id = {scenario.id: scenario for scenario in scenarios}
+    scene_by_id = {scene.id: scene for scene in judged.scenes}
+    return [
+        AskedDrive(
+            episode,
+            scenario_by_id.get(scene_of(episode.scene_id)),
+            scene_by_id.get(scene_of(episode.scene_id)),
+            keys.of(episode, "ours"),
+            study.store,
+            config.camera,
+        )
+        for episode in judged.asked
+        if is_shown(episode)
+    ]

@@ -126,7 +126,7 @@ class VerdictRule:
             return False
         if verdict.status == "ok" and not has_all:
             return False
-        if episode is None or not _is_shown(episode):
+        if episode is None or not is_shown(episode):
             return verdict.status == "failed" and all(
                 getattr(verdict, name) is None for name in _SCORES
             )
@@ -146,12 +146,12 @@ class VerdictRule:
         if not self.is_possible(verdict):
             return False
         episode = self._shown[protocol, item]
-        return not _is_shown(episode) or is_scored(
+        return not is_shown(episode) or is_scored(
             verdict, self.keys.of(episode, protocol), opinions
         )
 
 
-def _is_shown(episode: Episode) -> bool:
+def is_shown(episode: Episode) -> bool:
     """Return whether there is something to show of an episode."""
     return episode.status == "ok" and bool(episode.frames)
 

@@ -141,10 +141,10 @@ def row(study: Study) -> LeaderboardRow:
             asked_drive.episode,
             asked_drive.frames,
             Scripted(),
-            path=asked_drive.truth.path,
-            leaf=asked_drive.truth.leaf,
+            path=asked_drive.key.path,
+            leaf=asked_drive.key.leaf,
             options=asked_drive.options,
-            visible=asked_drive.truth.visible,
+            visible=asked_drive.key.visible,
         )
         for asked_drive in asked_drives(study)
     ]

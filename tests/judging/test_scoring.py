@@ -60,3 +60,13 @@ def test_the_first_failure_gives_the_outcome_by_its_type(error, outcome) -> None
     verdict = score_answers(AnswerKey(item="x-001", actions=OUTCOMES), given)
     assert (verdict.outcome, verdict.status, verdict.retryable) == (outcome, "failed", True)
     assert verdict.error_type == type(error).__name__
+
+
+def test_a_stored_error_holds_no_key_even_where_it_is_cut() -> None:
+    key = "sk-abcdefghijklmnopqrstuvwx1234567890"
+    for padding in (0, 1_980):
+        error = LLMError(f"{'.' * padding} refused {key}")
+        verdict = score_answers(AnswerKey(item="x-001"), GivenAnswers("m", {}, [error]))
+        assert verdict.error is not None
+        assert "abcdef" not in verdict.error
+        assert len(verdict.error) <= 2_000

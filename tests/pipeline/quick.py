@@ -11,7 +11,7 @@ from oodscen._pipeline import run_study
 from oodscen.data._episode import Episode
 from oodscen.data._verdict import Verdict
 from oodscen.judging._aspects.opinions import rescore_verdict
-from oodscen.judging._scoring import GivenAnswers, rescored
+from oodscen.judging._scoring import GivenAnswers, answers_in, rescored
 from oodscen.judging._selection import choose_items
 from oodscen.study._stale_verdicts import Tables
 
@@ -77,12 +77,8 @@ def as_made(study: Study, verdicts: Iterable[Verdict]) -> list[Verdict]:
     for verdict in verdicts:
         item, name, protocol = verdict.scene_id, verdict.model, verdict.protocol
         made_from = rule.made_from(item, name, protocol, is_reference=verdict.kind == "reference")
-        said = {
-            field: getattr(verdict, field) for field in ("is_ood", "aspect", "choice", "action")
-        }
-        said = {field: value for field, value in said.items() if value is not None}
         key = rule.keys.of(episodes[protocol, item], protocol)
-        scored = rescored(verdict, key, GivenAnswers(name, said, protocol=protocol))
+        scored = rescored(verdict, key, GivenAnswers(name, answers_in(verdict), protocol=protocol))
         scored = rescore_verdict(scored, key.path, {}, "", key.visible)
         found.append(scored.model_copy(update={"kind": verdict.kind, "made_from": made_from}))
     return found

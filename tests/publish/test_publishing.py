@@ -394,10 +394,10 @@ def study_board(study: Study):
                 one.episode,
                 one.frames,
                 model,
-                path=one.truth.path,
-                leaf=one.truth.leaf,
+                path=one.key.path,
+                leaf=one.key.leaf,
                 options=one.options,
-                visible=one.truth.visible,
+                visible=one.key.visible,
             )
         )
     return leaderboard(verdicts, study.episodes, study.scenarios)

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oodscen_pybullet._catalogue import load_catalogue
 
-from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Weather
+from oodscen.data._scene import DARK_DEG, Actor, Behaviour, Ego, Hazard, Placement, Weather
 from oodscen.driving._motion.behaviours import having
 from oodscen.driving._roads.building import read_map
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
@@ -76,10 +76,20 @@ def test_a_motion_is_told_as_the_ego_sees_it_in_whichever_lane_it_begins(name, h
         ("driving slowly ahead", {"name": "follow_lane", "speed": 30.0}),
         ("driving slowly", {"name": "follow_lane", "speed": 30.0, "ahead_m": -30.0}),
         ("driving the same way", {"name": "follow_lane", "speed": 12.0}),
+        (
+            "moving the other way",
+            {"asset": "dog", "name": "bolt", "heading_deg": 180.0, "ahead_m": -30.0},
+        ),
+        ("moving the same way", {"asset": "dog", "name": "bolt", "ahead_m": -30.0}),
     ],
 )
 def test_what_a_motion_leaves_out_has_the_meaning_that_it_has_in_the_world(doing, actor):
     assert told(**actor).doing == doing
+
+
+@pytest.mark.parametrize("name", having(lambda row: "speed" in row.parameters))
+def test_what_has_no_speed_stands_still(name):
+    assert told(name=name, parameters={"speed": 0.0}, heading_deg=90.0).doing == "standing still"
 
 
 @pytest.mark.parametrize("asset", [one.id for one in load_catalogue().assets if one.states])
@@ -88,6 +98,11 @@ def test_the_usual_state_is_told_alike_whether_it_is_named_or_not(asset):
     assert told(asset=asset, state=usual) == told(asset=asset)
     is_light = asset in ("traffic_light", "temporary_light", "pedestrian_light")
     assert (told(asset=asset).doing == "showing red") is is_light
+
+
+def test_a_signal_that_moves_is_told_as_moving():
+    assert told(asset="temporary_light", name="roll_away").doing == "rolling, showing red"
+    assert told(asset="temporary_light", state="green").doing == "showing green"
 
 
 def test_a_behaviour_of_a_simulators_own_is_told_as_the_one_that_it_is_like():
@@ -123,6 +138,17 @@ def test_weather_is_told_by_its_strength(words, weather):
         (), hazard, Weather(**weather), scene.ego, scene.map, FlatSimulator().catalogue()
     )
     assert (one.what, one.where) == (words, "everywhere")
+
+
+@pytest.mark.parametrize(
+    ("ordinary_deg", "sun_deg", "words"), [(DARK_DEG, -20.0, "darkness"), (12.0, 3.0, "low sun")]
+)
+def test_light_is_told_from_the_last_ordinary_elevation_on(ordinary_deg, sun_deg, words):
+    scene = example_scene()
+    hazard = Hazard(weather=Weather(sun_elevation_deg=ordinary_deg))
+    weather = Weather(sun_elevation_deg=sun_deg)
+    (one,) = visible_of((), hazard, weather, scene.ego, scene.map, FlatSimulator().catalogue())
+    assert one.what == words
 
 
 def test_snow_in_place_of_rain_is_told():

@@ -10,7 +10,7 @@ from oodscen.data._verdict import Protocol, Verdict, without_pictures
 from oodscen.errors import DataError, Issue
 from oodscen.judging._questions import ShownDrive
 from oodscen.judging._references import Case, takes_cases
-from oodscen.judging._scoring import GivenAnswers, kind_of_answerer, rescored
+from oodscen.judging._scoring import GivenAnswers, answers_in, kind_of_answerer, rescored
 from oodscen.protocols import LLM
 from oodscen.stages._evaluate import answers_of_reference, unjudged_verdict
 from oodscen.stages._evaluate import evaluate as judge_episode
@@ -109,12 +109,9 @@ class Questioner:
         if takes_cases(model):
             case = Case(episode, key.path, key.leaf, key.options, episode.frames)
             return rescored(verdict, key, answers_of_reference(model, case, protocol))
-        fields = {
-            field: getattr(verdict, field) for field in ("is_ood", "aspect", "choice", "action")
-        }
-        answered = {field: value for field, value in fields.items() if value is not None}
         name = without_pictures(model.name) if item.is_withheld else model.name
-        answers = GivenAnswers(name, answered, protocol=protocol, kind=kind_of_answerer(model))
+        kind = kind_of_answerer(model)
+        answers = GivenAnswers(name, answers_in(verdict), protocol=protocol, kind=kind)
         return rescored(verdict, key, answers)
 
     def _images(self, episode: Episode, protocol: Protocol = "ours") -> dict[str, Image]:

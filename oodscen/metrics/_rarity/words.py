@@ -4,14 +4,14 @@ import re
 from collections.abc import Sequence
 from functools import cache
 from typing import Final
+from unicodedata import combining, normalize
 
 import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._text import inflection_stem
 
-_WORD = re.compile(r"[a-z]{2,}")
-_ANY_WORD = re.compile(r"\w{2,}")
+_WORD = re.compile(r"[^\W\d_]{2,}")
 _SENTENCE_BREAK = re.compile(r"(?<=[.!?:])\s+")
 _COURTEOUS: Final = """
 apologies apologise appreciate attention cheers colleague colleagues dear excuse forgive grateful greetings hello hi kind kindly obliged pardon
@@ -29,8 +29,9 @@ _LEAST_LENGTH = 1e-9
 
 
 def stems(text: str) -> list[str]:
-    """Return the stems of a text's words in plain Latin letters, in order."""
-    return [inflection_stem(word) for word in _WORD.findall(text.lower())]
+    """Return the stems of a text's words, of any alphabet and without accents, in order."""
+    plain = "".join(char for char in normalize("NFD", text.lower()) if not combining(char))
+    return [inflection_stem(word) for word in _WORD.findall(plain)]
 
 
 def without_courtesy(text: str) -> str:
@@ -70,6 +71,5 @@ class Words:
 
     def known_share(self, text: str) -> float:
         """Return the share of a text's words, of any alphabet, whose stems are known."""
-        total = len(_ANY_WORD.findall(text))
-        known = sum(stem in self._columns for stem in stems(text))
-        return known / total if total else 0.0
+        known = [stem in self._columns for stem in stems(text)]
+        return sum(known) / len(known) if known else 0.0
