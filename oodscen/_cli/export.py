@@ -18,10 +18,10 @@ from oodscen._cli.export_folder import (
     refuse_clashes,
     require_extra,
 )
-from oodscen._cli.options import refuse_idle, seed_option, simulator_option
+from oodscen._cli.options import refuse_idle, run_seed_option, simulator_option
 from oodscen._cli.output import say, write
 from oodscen._cli.paths import PathName
-from oodscen._cli.places import KnownFacts, scenes_of, simulator_of
+from oodscen._cli.places import KnownFacts, scenes_of
 from oodscen._cli.progress import tracked
 from oodscen._files import replace, writing
 from oodscen._members import using
@@ -32,6 +32,7 @@ from oodscen.data._episode import ACTIONS
 from oodscen.data._pairing import twin_id
 from oodscen.data._scene import Scene
 from oodscen.errors import MissingExtra, OodscenError
+from oodscen.protocols import Simulator
 
 _PART = 24
 """Number of scenes that a process writes in one go."""
@@ -91,13 +92,14 @@ _PART = 24
     help="Processes.  [default: number of CPUs, one for few scenes]",
 )
 @simulator_option
-@seed_option
+@run_seed_option
 def export(
     place: Path,
     out: Path,
     limit: int | None,
     workers: int | None,
     simulator: str,
+    seed: int | None,
     **choices: Any,
 ) -> None:
     """Write scenes and their ordinary drives (twins and demands) into a folder.
@@ -107,14 +109,16 @@ def export(
     the same trace with its map in one file, `rerun` a recording for the Rerun viewer. Scenes that cannot be written,
     also as the ego has no lane for the action, are reported on standard error, and the exit code is then 1.
     """
-    options = ExportOptions(**choices, simulator=simulator_of(place, simulator))
+    source = scenes_of(place, simulator)
+    options = ExportOptions(
+        **choices, simulator=source.simulator, seed=source.seed if seed is None else seed
+    )
     if options.form != "openscenario":
         refuse_idle(f"with --to {options.form}", "mode", "target", "ego", "logical")
     if options.form == "openlabel" or options.mode == "reactive":
         refuse_idle("without a replay", "action")
     require_extra(options.form)
-    scenes, catalogue, facts = scenes_of(place, simulator)
-    scenes = scenes[:limit]
+    scenes, catalogue, facts = source.scenes[:limit], source.catalogue, source.facts
     if not options.twins:
         facts = facts._replace(demands={})
     refuse_inside(out)
@@ -158,52 +162,52 @@ class _Writer:
 
     def run(self) -> tuple[int, list[str]]:
         """Return the number of files, and the faults of scenes that cannot be written."""
+        from oodscen import make_simulator
         from oodscen.interchange._recording import ordinary_twin
 
         count, faults = 0, list[str]()
-        for scene in self.scenes:
-            drives = [scene, *self.facts.demands_of(scene)]
-            if self.options.twins and not scene.is_ordinary:
-                with _listing(faults, twin_id(scene.id)):
-                    drives.append(ordinary_twin(scene, self.catalogue, seed=self.options.seed))
-            for drive in drives:
-                with _listing(faults, drive.id):
-                    self._write(drive)
-                    count += 1
+        with using(make_simulator(self.options.simulator)) as simulator:
+            for scene in self.scenes:
+                drives = [scene, *self.facts.demands_of(scene)]
+                if self.options.twins and not scene.is_ordinary:
+                    with _listing(faults, twin_id(scene.id)):
+                        drives.append(
+                            ordinary_twin(
+                                scene, self.catalogue, seed=self.options.seed, simulator=simulator
+                            )
+                        )
+                for drive in drives:
+                    with _listing(faults, drive.id):
+                        self._write(drive, simulator)
+                        count += 1
         return count, faults
 
-    def _write(self, scene: Scene) -> None:
+    def _write(self, scene: Scene, simulator: Simulator) -> None:
         form = self.options.form
         if form == "openscenario":
-            self._write_openscenario(scene)
+            self._write_openscenario(scene, simulator)
         elif form == "openlabel":
             tags = scene.to_openlabel(self.catalogue)
             write(self.out / f"{scene.id}.json", json.dumps(tags, indent=2))
         elif form == "rerun":
-            self._write_rerun(scene)
+            self._write_rerun(scene, simulator)
         else:
             trace = scene.to_osi(
                 self.catalogue,
                 action=self.options.action,
                 seed=self.options.seed,
                 container=form,
+                simulator=simulator,
             )
             replace(self.out / f"{scene.id}.{form}", trace)
 
-    def _write_rerun(self, scene: Scene) -> None:
-        from oodscen import make_simulator
+    def _write_rerun(self, scene: Scene, simulator: Simulator) -> None:
         from oodscen.interchange._traces.rerun_files import write_rerun
 
-        with using(make_simulator(self.options.simulator)) as simulator:
-            write_rerun(
-                scene,
-                simulator,
-                self.out / f"{scene.id}.rrd",
-                action=self.options.action,
-                seed=self.options.seed,
-            )
+        path = self.out / f"{scene.id}.rrd"
+        write_rerun(scene, simulator, path, action=self.options.action, seed=self.options.seed)
 
-    def _write_openscenario(self, scene: Scene) -> None:
+    def _write_openscenario(self, scene: Scene, simulator: Simulator) -> None:
         from oodscen.interchange._writing.logical import logical_file
 
         options, seed = self.options, self.options.seed
@@ -215,6 +219,7 @@ class _Writer:
             ego=options.ego,
             seed=seed,
             properties=self.facts(scene),
+            simulator=simulator,
         )
         file.save(self.out)
         if not options.logical or scene.is_ordinary:
@@ -224,7 +229,7 @@ class _Writer:
             logical = logical_file(file, scene, self.catalogue, claims, seed)
         else:
             logical = scene.to_openscenario(
-                self.catalogue, mode="logical", claims=claims, seed=seed
+                self.catalogue, mode="logical", claims=claims, seed=seed, simulator=simulator
             )
         if logical.beside:
             logical.save(self.out)

@@ -15,13 +15,15 @@ from oodscen._cli.options import (
     json_option,
     refuse_idle,
     refuse_idle_server,
+    run_seed_option,
     seed_option,
     simulator_option,
 )
 from oodscen._cli.output import say
 from oodscen._cli.paths import READABLE, PathName
-from oodscen._cli.places import scenes_of
+from oodscen._cli.places import SceneSource, scenes_of
 from oodscen._cli.progress import tracked
+from oodscen._members import using
 from oodscen._text import one_line, printable
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._pairing import is_twin, scene_of
@@ -145,7 +147,7 @@ def _driver_name(ctx: click.Context, param: click.Parameter, value: str | None) 
     "--replace", is_flag=True, help="Replace the driver's earlier results of these scenes."
 )
 @simulator_option
-@seed_option
+@run_seed_option
 @json_option
 def verdict(
     place: Path,
@@ -153,7 +155,7 @@ def verdict(
     driver: str | None,
     replace: bool,
     simulator: str,
-    seed: int,
+    seed: int | None,
     as_json: bool,
 ) -> None:
     """Judge runs that another player drove, by the poses that it wrote.
@@ -170,7 +172,9 @@ def verdict(
     names = Counter(path.stem for path in files)
     if driver and (twice := [name for name, count in names.items() if count > 1]):
         raise UsageError(f"{twice[0]} has several files; a driver has one result per scene")
-    scenes, catalogue, facts = scenes_of(place, simulator)
+    source = scenes_of(place, simulator)
+    scenes, catalogue, facts = source.scenes, source.catalogue, source.facts
+    seed = source.seed if seed is None else seed
     if driver and place.is_dir():
         study = Study.open(place)
         refuse_stale(study, study.episodes, scenes)
@@ -179,7 +183,7 @@ def verdict(
     failed = 0
     for path in files:
         try:
-            scene = _scene_named(path.stem, by_id, catalogue, seed)
+            scene = _scene_named(path.stem, by_id, source, seed)
             verdicts.append(judge(scene, path, catalogue, driver=driver or "played", seed=seed))
         except OodscenError as error:
             say(f"{path}: {error}", err=True)
@@ -217,7 +221,8 @@ def vary(place: Path, wanted: str | None, count: int, seed: int, simulator: str)
     Each variant is checked like any other scene, and against the claims of its text where a study has them. The exit
     code is 1 if some scene has fewer variants than asked for.
     """
-    scenes, catalogue, facts = scenes_of(place, simulator)
+    source = scenes_of(place, simulator)
+    scenes, catalogue, facts = source.scenes, source.catalogue, source.facts
     if wanted is not None:
         scenes = [scene for scene in (*scenes, *facts.demands.values()) if scene.id == wanted]
         if not scenes:
@@ -235,14 +240,16 @@ def vary(place: Path, wanted: str | None, count: int, seed: int, simulator: str)
     sys.exit(bool(short))
 
 
-def _scene_named(name: str, by_id: dict[str, Scene], catalogue: Catalogue, seed: int) -> Scene:
+def _scene_named(name: str, by_id: dict[str, Scene], source: SceneSource, seed: int) -> Scene:
     """Return a scene or its ordinary drive; twins are made, as no file holds them."""
+    from oodscen import make_simulator
     from oodscen.interchange._recording import ordinary_twin
 
     if name in by_id:
         return by_id[name]
-    if is_twin(name) and scene_of(name) in by_id:
-        return ordinary_twin(by_id[scene_of(name)], catalogue, seed=seed)
+    if is_twin(name) and (scene := by_id.get(scene_of(name))):
+        with using(make_simulator(source.simulator)) as simulator:
+            return ordinary_twin(scene, source.catalogue, seed=seed, simulator=simulator)
     raise UsageError(f"there is no scene {name!r}")
 
 

@@ -56,6 +56,11 @@ seed_option = click.option(
     type=click.IntRange(0, MAX_SEED),
     help="Seed of all random choices.",
 )
+run_seed_option = click.option(
+    "--seed",
+    type=click.IntRange(0, MAX_SEED),
+    help="Seed of the runs.  [default: the study's own, 0 for a file]",
+)
 simulator_option = click.option(
     "--simulator",
     type=ComponentName("simulator"),

@@ -20,6 +20,18 @@ if TYPE_CHECKING:
     from oodscen.study._study import Study
 
 
+class SceneSource(NamedTuple):
+    """The scenes of a study or a file, and with what they were or are to be run."""
+
+    scenes: list[Scene]
+    catalogue: Catalogue
+    facts: "KnownFacts"
+    simulator: str
+    """Name of the study's own simulator, or for a file that of the option."""
+    seed: int
+    """Seed of the study's runs; 0 for a file."""
+
+
 class KnownFacts(NamedTuple):
     """A study's knowledge of its scenes, as properties."""
 
@@ -73,29 +85,24 @@ class KnownFacts(NamedTuple):
         return facts(scene, text, self.claims(scene), run)
 
 
-def simulator_of(place: Path, simulator: str) -> str:
-    """Return the name of a study's own simulator, or for a file that of the option."""
-    from oodscen.study._study import Study
-
-    return Study.open(place).config.simulator if place.is_dir() else simulator
-
-
-def scenes_of(place: Path, simulator: str) -> tuple[list[Scene], Catalogue, KnownFacts]:
-    """Return the scenes of a study or a file, their catalogue, and what else is known of them."""
+def scenes_of(place: Path, simulator: str) -> SceneSource:
+    """Return the scenes of a study or a file; the simulator is that of a file."""
     from oodscen import make_simulator
     from oodscen.study._study import Study
 
     if place.is_dir():
         study = Study.open(place)
         _refuse_other_simulator(study.config.simulator)
-        catalogue = make_simulator(study.config.simulator).catalogue()
-        return study.scenes, catalogue, KnownFacts.from_study(study)
+        own = study.config.simulator
+        catalogue, facts = make_simulator(own).catalogue(), KnownFacts.from_study(study)
+        return SceneSource(study.scenes, catalogue, facts, own, study.config.seed)
     rows = read_lines(Scene, place)
     ids = {row.id for row in rows}
     demands = _by_scene(row for row in rows if row.demand and scene_of(row.id) in ids)
     apart = {demand.id for demand in demands.values()}
     scenes = [row for row in rows if row.id not in apart]
-    return scenes, make_simulator(simulator).catalogue(), KnownFacts(demands=demands)
+    catalogue = make_simulator(simulator).catalogue()
+    return SceneSource(scenes, catalogue, KnownFacts(demands=demands), simulator, seed=0)
 
 
 def _refuse_other_simulator(own: str) -> None:

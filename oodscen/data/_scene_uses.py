@@ -141,7 +141,7 @@ class SceneUses:
             properties: Further facts about the scene, by name, besides its ids and hazard; files for
                 `carla-scenario-runner` have no properties.
             simulator: The simulator whose run is replayed, by default the kinematic world of the catalogue; the other
-                modes always use that world.
+                modes always use that world, and note it where the simulator moves otherwise.
             claims: The claims of its text, which every end of a range in a logical scenario keeps true.
 
         Raises:
@@ -281,6 +281,7 @@ class SceneUses:
         action: str = "keep_speed",
         seed: int = 0,
         container: "Container" = "osi",
+        simulator: "Simulator | None" = None,
     ) -> bytes:
         """Return the scene's run as a trace of OSI ground truth, one message for each step.
 
@@ -293,6 +294,7 @@ class SceneUses:
             seed: Seed of the scene's random streams.
             container: `osi` is the plain sequence of messages; `mcap` is a file of MCAP, with the OpenDRIVE file of
                 the road in it.
+            simulator: The simulator whose run is written, by default the kinematic world of the catalogue.
 
         Raises:
             SceneError: If the catalogue or the road refuses the scene.
@@ -302,7 +304,14 @@ class SceneUses:
         """
         from oodscen.interchange._traces.osi_writing import osi_trace
 
-        return osi_trace(fitting(self), catalogue, action=action, seed=seed, container=container)
+        return osi_trace(
+            fitting(self),
+            catalogue,
+            action=action,
+            seed=seed,
+            container=container,
+            simulator=simulator,
+        )
 
 
 def fitting(scene: SceneUses) -> "Scene":

@@ -32,6 +32,11 @@ def checked_simulator(simulator: Simulator) -> Simulator:
     return CheckedSimulator(simulator)
 
 
+def moves_as_world(simulator: Simulator) -> bool:
+    """Return whether a simulator's bodies move as those of the kinematic world."""
+    return isinstance(simulator, MirrorSimulator) and _is_checked_by_bases(simulator)
+
+
 @contextmanager
 def scene_copy(scene: Scene, simulator: str) -> Iterator[Scene]:
     """Give a copy of a scene that the simulator of this name may be shown: the scene stays as it is.

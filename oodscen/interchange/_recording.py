@@ -10,6 +10,7 @@ from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._episode import NOMINAL_REACTION_S
 from oodscen.data._scene import MAX_TRIGGER, Behaviour, Scene, Trigger
 from oodscen.driving import MirrorSimulator
+from oodscen.driving._checked_simulator import checked_simulator, moves_as_world
 from oodscen.driving._motion.actions import Cruise, action_driver, is_available
 from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER
 from oodscen.driving._motion.triggers import MAX_APPROACH_S
@@ -35,9 +36,10 @@ class UnrenderedSimulator(MirrorSimulator):
 
     name = "unrendered"
 
-    def __init__(self, catalogue: Catalogue) -> None:
+    def __init__(self, catalogue: Catalogue, dt: float = MirrorSimulator.dt) -> None:
         super().__init__()
         self._catalogue = catalogue
+        self.dt = dt
 
     def catalogue(self) -> Catalogue:
         """Return the catalogue of the world."""
@@ -61,6 +63,15 @@ class UnrenderedSimulator(MirrorSimulator):
             SimulatorError: Always.
         """
         raise SimulatorError("this simulator has no pictures")
+
+
+def moving(simulator: Simulator | None, catalogue: Catalogue) -> Simulator:
+    """Return what moves as a simulator does: where that is the kinematic world, the default, the world without pictures."""
+    if simulator is None:
+        return UnrenderedSimulator(catalogue)
+    if moves_as_world(simulator):
+        return UnrenderedSimulator(catalogue, simulator.dt)
+    return checked_simulator(simulator)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -120,7 +131,7 @@ class RecordedRun(Brief):
         """Return by how much values [n, ...] change per second; 0 in a run of one state."""
         if len(values) < 2:
             return np.zeros_like(values)
-        rates: Floats = np.gradient(values, self.dt, axis=0)
+        rates: Floats = np.gradient(values, self.dt, axis=0, edge_order=2 if len(values) > 2 else 1)
         return rates
 
 
@@ -299,7 +310,9 @@ def _without_triggers(scene: Scene) -> Scene:
     return scene.model_copy(update={"actors": tuple(actors)})
 
 
-def ordinary_twin(scene: Scene, catalogue: Catalogue, *, seed: int = 0) -> Scene:
+def ordinary_twin(
+    scene: Scene, catalogue: Catalogue, *, seed: int = 0, simulator: Simulator | None = None
+) -> Scene:
     """Return a scene's ordinary twin, judged at the time of the scene's own decision."""
-    states, _, _ = approach(scene, UnrenderedSimulator(catalogue), seed)
+    states, _, _ = approach(scene, moving(simulator, catalogue), seed)
     return scene.twin(round(states[-1].time, 6))

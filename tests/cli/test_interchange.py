@@ -1,18 +1,23 @@
 import csv
 import json
+import re
 import shutil
 import struct
 import sys
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from oodscen import Study, make_catalogue
+from oodscen import Study, make_catalogue, make_simulator
 from oodscen._cli import main
 from oodscen._cli.export_folder import LIST
+from oodscen._members import using
 from oodscen.interchange import read_openscenario
-from oodscen.interchange._recording import UnrenderedSimulator, replayed
+from oodscen.interchange._recording import UnrenderedSimulator, ordinary_twin, replayed
 from oodscen.interchange._traces.osi_reading import read_osi_trace
+from oodscen.interchange._verdicts.poses import read_poses
+from tests.interchange.playing import centres
 from tests.interchange.staging import SCENES
 
 
@@ -354,3 +359,57 @@ def test_another_simulator_than_the_study_s_own_is_refused(study):
     done = run("vary", study, "--simulator", "pybullet")
     assert done.exit_code == 2
     assert "were made for flat" in done.stderr
+
+
+@pytest.mark.parametrize("form", ["openscenario", "osi"])
+def test_an_export_has_the_motion_of_the_simulator_that_it_is_for(form, tmp_path):
+    scene = next(scene for scene in SCENES if scene.id.startswith("heap-of-rubble"))
+    scenes, out = tmp_path / "scenes.jsonl", tmp_path / "out"
+    scenes.write_text(f"{scene.to_json()}\n")
+    words = ("--simulator", "highway", "--action", "stop", "--to", form, "--workers", 1)
+    assert run("export", scenes, "-o", out, *words).exit_code == 0
+    with using(make_simulator("highway")) as simulator:
+        truth = replayed(scene, simulator, "stop", 0)
+        twin = ordinary_twin(scene, simulator.catalogue(), simulator=simulator)
+    world = replayed(scene, UnrenderedSimulator(simulator.catalogue()), "stop", 0)
+    assert len(world.time) > len(truth.time) + 10, (
+        "the world of the library knows no such collision"
+    )
+    if form == "osi":
+        played = read_poses(out / f"{scene.id}.osi")
+        rows = [played.names.index(name) for name in truth.ids]
+        assert np.abs(played.poses[:, rows, :3] - truth.poses[:, :, :3]).max() < 1e-6
+    else:
+        played = centres((out / f"{scene.id}.xosc").read_bytes(), truth.time)
+        for row, name in enumerate(truth.ids):
+            assert np.abs(played[name][:, :3] - truth.poses[:, row, :3]).max() < 1e-3
+        written = read_openscenario(out / f"{scene.id}~twin.xosc", simulator.catalogue())
+        assert written.scene == twin
+
+
+def test_a_reactive_file_says_that_its_motion_is_not_that_of_the_simulator():
+    with using(make_simulator("highway")) as simulator:
+        scene, catalogue = SCENES[0], simulator.catalogue()
+        own, world = (
+            scene.to_openscenario(catalogue, mode="reactive", simulator=given).notes
+            for given in (simulator, None)
+        )
+    assert set(own) - set(world) == {"Motion is that of the kinematic world, not of highway."}
+
+
+def test_a_study_is_exported_with_the_seed_of_its_runs(study, tmp_path):
+    config = json.loads((study / "study.json").read_text())
+    config["config"]["seed"] = 5
+    (study / "study.json").write_text(json.dumps(config))
+    folders = {seed: tmp_path / str(seed) for seed in (None, 5, 0)}
+    for seed, folder in folders.items():
+        words = () if seed is None else ("--seed", seed)
+        assert run("export", study, "-o", folder, "--limit", 1, *words).exit_code == 0
+    seeds = {
+        seed: {
+            re.search(r'name="oodscen.seed" value="(\d+)"', path.read_text())[1]
+            for path in folder.glob("*.xosc")
+        }
+        for seed, folder in folders.items()
+    }
+    assert seeds == {None: {"5"}, 5: {"5"}, 0: {"0"}}

@@ -9,7 +9,7 @@ from oodscen._arguments import checked
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Scene
 from oodscen.errors import UnknownComponent
-from oodscen.interchange._recording import RecordedRun, UnrenderedSimulator, replayed
+from oodscen.interchange._recording import RecordedRun, moving, replayed
 from oodscen.interchange._traces.mcap_files import mcap_trace
 from oodscen.interchange._traces.wire import (
     message_field,
@@ -20,6 +20,7 @@ from oodscen.interchange._traces.wire import (
 from oodscen.interchange._writing.entities import Entity, entities
 from oodscen.interchange._writing.roads import road_file
 from oodscen.numerics._exact import Floats
+from oodscen.protocols import Simulator
 
 Container = Literal["osi", "mcap"]
 CONTAINERS: tuple[Container, ...] = ("osi", "mcap")
@@ -51,11 +52,12 @@ def osi_trace(
     action: str = "keep_speed",
     seed: int = 0,
     container: Container = "osi",
+    simulator: Simulator | None = None,
 ) -> bytes:
     """Return a scene's run as a trace of OSI ground truth; `Scene.to_osi` tells arguments and errors."""
     if container not in CONTAINERS:
         raise UnknownComponent("container", container, CONTAINERS)
-    run = replayed(scene, UnrenderedSimulator(catalogue), action, seed)
+    run = replayed(scene, moving(simulator, catalogue), action, seed)
     messages = _messages(run, entities(scene, catalogue))
     if container == "mcap":
         return mcap_trace(messages, road_file(scene, catalogue))

@@ -16,7 +16,7 @@ from oodscen.driving._motion.actions import is_available
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import MissingExtra
-from oodscen.interchange._recording import RecordedRun, UnrenderedSimulator, action_states, replayed
+from oodscen.interchange._recording import RecordedRun, action_states, moving, replayed
 from oodscen.interchange._writing.entities import Entity, entities
 from oodscen.numerics._exact import Floats
 from oodscen.protocols import Camera, Simulator, State, camera_for
@@ -72,11 +72,11 @@ def write_rerun(
     rerun = rerun_library()
     catalogue = simulator.catalogue()
     corridor = load_corridor(scene.map, catalogue)
-    unrendered = UnrenderedSimulator(catalogue)
-    approach(scene, unrendered, seed)
-    available = [name for name in ACTIONS if is_available(name, unrendered.observe())]
+    world = moving(simulator, catalogue)
+    approach(scene, world, seed)
+    available = [name for name in ACTIONS if is_available(name, world.observe())]
     names = dict.fromkeys((action, *available))
-    runs = {name: replayed(scene, unrendered, name, seed) for name in names}
+    runs = {name: replayed(scene, world, name, seed) for name in names}
     bodies = entities(scene, catalogue)
     with TemporaryDirectory() as folder:
         part = Path(folder) / "run.rrd"

@@ -9,14 +9,10 @@ from oodscen._arguments import checked
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Scene
+from oodscen.driving._checked_simulator import moves_as_world
 from oodscen.driving._roads.building import load_corridor
 from oodscen.errors import SceneError, UnknownComponent, UsageError
-from oodscen.interchange._recording import (
-    Reactions,
-    UnrenderedSimulator,
-    reactions,
-    replayed,
-)
+from oodscen.interchange._recording import Reactions, moving, reactions, replayed
 from oodscen.interchange._writing.elements import Element, child, document, file_header, to_bytes
 from oodscen.interchange._writing.entities import entities, write_entity
 from oodscen.interchange._writing.files import ScenarioFile
@@ -41,9 +37,7 @@ Target = Literal["generic", "esmini", "carla-scenario-runner"]
 MODES: tuple[Mode, ...] = ("replay", "reactive", "logical")
 TARGETS: tuple[Target, ...] = ("generic", "esmini", "carla-scenario-runner")
 
-_RUNNER_NOTES = (
-    "Version 1.0 with named actions for CARLA's ScenarioRunner: speeds change at once, and lanes by a straight line.",
-)
+_RUNNER_NOTE = "Version 1.0 with named actions for CARLA's ScenarioRunner: speeds change at once, and lanes by a straight line."
 
 
 @checked
@@ -66,17 +60,18 @@ def to_openscenario(
     root = document(road.name)
     bodies = entities(scene, catalogue)
     corridor = load_corridor(scene.map, catalogue)
+    notes = list(_motion_notes(mode, simulator))
     if target == "carla-scenario-runner":
         reacting = reactions(scene, catalogue, seed)
         write_for_scenario_runner(root, scene, bodies, reacting, corridor)
-        file_header(root, 0, description(scene, mode, _RUNNER_NOTES))
-        return ScenarioFile(scene.id, to_bytes(root), road, _RUNNER_NOTES)
+        notes.insert(0, _RUNNER_NOTE)
+        file_header(root, 0, description(scene, mode, notes))
+        return ScenarioFile(scene.id, to_bytes(root), road, tuple(notes))
     holder = child(root, "Entities")
     for body in bodies:
         _add_properties(write_entity(holder, body), body.state, target)
-    notes: list[str] = []
     if mode == "replay":
-        run = replayed(scene, simulator or UnrenderedSimulator(catalogue), action, seed)
+        run = replayed(scene, moving(simulator, catalogue), action, seed)
         write_replay(root, scene, bodies, run, corridor)
         decision_s = run.decision_s or 0.0
         notes.append(
@@ -104,6 +99,12 @@ def _check_request(scene: Scene, catalogue: Catalogue, mode: Mode, target: Targe
         raise SceneError(scene.id, issues)
     if target == "carla-scenario-runner" and mode != "reactive":
         raise UsageError("ScenarioRunner follows no recorded courses; write mode reactive for it")
+
+
+def _motion_notes(mode: Mode, simulator: Simulator | None) -> Iterator[str]:
+    """Yield that a file does not have the motion of its simulator."""
+    if mode != "replay" and simulator is not None and not moves_as_world(simulator):
+        yield f"Motion is that of the kinematic world, not of {simulator.name}."
 
 
 def _player_notes(scene: Scene, target: Target) -> Iterator[str]:
