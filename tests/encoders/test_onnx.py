@@ -1,4 +1,5 @@
 import os
+import shutil
 import sys
 
 import numpy as np
@@ -24,8 +25,11 @@ TEXTS = [
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("cache")
+def folder(minilm, cache, tmp_path_factory):
+    """Return a cache of this module's own, with the export of the whole session."""
+    return shutil.copytree(
+        cache / "oodscen" / "onnx", tmp_path_factory.mktemp("cache") / "oodscen" / "onnx"
+    ).parents[1]
 
 
 @pytest.fixture(autouse=True)
