@@ -30,6 +30,22 @@ MOTIONS = [
 MADE = [doing(motion.kind()).model_copy(update={"motions": (motion,)}) for motion in MOTIONS]
 
 
+@pytest.fixture(autouse=True, scope="module")
+def _reactions_once():
+    """Drive each scene for its reactive files once, whatever is written of it."""
+    known = {}
+
+    def once(scene, catalogue, seed):
+        key = (scene.to_json(), catalogue.digest(), seed)
+        return (
+            known[key] if key in known else known.setdefault(key, reactions(scene, catalogue, seed))
+        )
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("oodscen.interchange._writing.scenario.reactions", once)
+        yield
+
+
 def names(root, tag, attribute):
     return [one.get(attribute) for one in root.iter(tag)]
 
