@@ -427,7 +427,7 @@ COMMANDS = {
 }
 
 
-@pytest.mark.parametrize("case", ["none", "raises", "exits", "a_class", "no_factory", "many_lines"])
+@pytest.mark.parametrize("case", ["raises", "exits", "many_lines"])
 @pytest.mark.parametrize("kind", COMMANDS)
 def test_a_command_refuses_a_faulty_plugin_in_one_line(kind, case, study, monkeypatch):
     monkeypatch.chdir(study)

@@ -5,6 +5,7 @@ They are ray-cast, so depth and instance ids are exact; the pictures are simple 
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -156,8 +157,9 @@ class _Canvas:
         ego_s, _ = road.locate(eye.ego.x, eye.ego.y)
         s, t, index = _locate(road, ground_x, ground_y, ego_s)
         codes[near] = _surface(road, s, t, index, away)
-        np.take(_PALETTE, codes, axis=0, out=self.colour[rows])
-        np.take(_TAGS, codes, out=self.tags[rows])
+        # Without a check of the bounds, which all codes keep, numpy writes where it should at once.
+        np.take(_PALETTE, codes, axis=0, out=self.colour[rows], mode="clip")
+        np.take(_TAGS, codes, out=self.tags[rows], mode="clip")
         if self.weather.precipitation == "snow":
             self.colour[rows] *= _SNOW_KEEPS
             self.colour[rows] += _SNOW_ADDS
@@ -229,16 +231,21 @@ def _locate(
 ) -> tuple[Floats, Floats, NDArray[np.intp]]:
     """Return s, t and the nearest sample of many points, searching from one place on the road."""
     last = len(road.s) - 1
-    index = np.full(x.shape, min(max(int(near / road.step), 0), last), dtype=np.intp)
+    at: Any = np.intp(min(max(int(near / road.step), 0), last))
+    index = np.full(x.shape, at)
+    moving, its_x, its_y = np.arange(len(x)), x, y
     for _ in range(_MOST_STEPS):
-        along = (x - road.x[index]) * road.cos[index] + (y - road.y[index]) * road.sin[index]
-        moved = np.clip(index + np.rint(along / road.step).astype(np.intp), 0, last)
-        if np.array_equal(moved, index):
+        along = (its_x - road.x[at]) * road.cos[at] + (its_y - road.y[at]) * road.sin[at]
+        moved = np.clip(at + np.rint(along / road.step).astype(np.intp), 0, last)
+        # A point that has found its sample stays there.
+        still = np.flatnonzero(moved != at)
+        if not len(still):
             break
-        index = moved
+        moving, at, its_x, its_y = moving[still], moved[still], its_x[still], its_y[still]
+        index[moving] = at
+    cos, sin = road.cos[index], road.sin[index]
     dx, dy = x - road.x[index], y - road.y[index]
-    s = road.s[index] + dx * road.cos[index] + dy * road.sin[index]
-    return s, dy * road.cos[index] - dx * road.sin[index], index
+    return road.s[index] + dx * cos + dy * sin, dy * cos - dx * sin, index
 
 
 def _surface(
@@ -250,7 +257,7 @@ def _surface(
     dashed = s - _DASH_PERIOD_M * np.floor(s / _DASH_PERIOD_M) < _DASH_M
     edges: list[tuple[Floats, str, NDArray[np.bool_]]] = []
     for number, strip in enumerate(road.strips):
-        right, left = strip.right[index], strip.left[index]
+        right, left = _along(strip.right, index), _along(strip.left, index)
         codes[(t >= right) & (t < left)] = _CODES[strip.kind]
         if number == 0:
             edges.append((right, strip.right_mark, left > right))
@@ -264,6 +271,11 @@ def _surface(
             line &= dashed
         codes[line] = _CODES["curb" if mark == "curb" else "mark"]
     return codes
+
+
+def _along(edge: Floats, index: NDArray[np.intp]) -> Floats:
+    """Return an edge's offsets at samples of the road; a single one if it is the same everywhere."""
+    return edge[:1] if (edge == edge[0]).all() else edge[index]
 
 
 def _hits(

@@ -1,5 +1,6 @@
 """The base class of simulators that render the kinematic world and compute no motion of their own."""
 
+import math
 from abc import abstractmethod
 from collections.abc import Sequence
 
@@ -164,9 +165,12 @@ class MirrorSimulator(BaseSimulator):
         state, apart = world.publish()
         self.place(state.poses.copy(), state.speeds.copy())  # It may work in its arrays.
         gaps = self._box_gaps = state.gaps
-        is_near = (apart <= NEAR_M) & (gaps > 0.0) & np.isfinite(gaps)
         tilted = world.tilts() if world.scene.motions else {}
-        rows = [row for row in np.flatnonzero(is_near).tolist() if row not in tilted]
+        rows = [
+            row
+            for row, (about, gap) in enumerate(zip(apart.tolist(), gaps.tolist(), strict=True))
+            if about <= NEAR_M and 0.0 < gap < math.inf and row not in tilted
+        ]
         if rows:
             for row, distance in zip(rows, self._engine_gaps(rows), strict=True):
                 gaps[row] = max(LEAST_M, round(distance, 4))

@@ -272,7 +272,8 @@ def _driven(
             decision_s = world.time
             if steps is None:
                 last = min(last, world.step_count + round(AFTER_S / simulator.dt))
-        states.append(simulator.step(driver.act(world.observe())))
+        world.step(driver.act(world.observe()))
+        states.append(world.state())
     return RecordedRun.of(states, world.corridor, decision_s)
 
 

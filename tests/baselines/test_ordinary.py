@@ -17,7 +17,7 @@ def drawn():
 
 @pytest.fixture(scope="module")
 def many():
-    return draw(6000, seed=3)
+    return draw(3000, seed=3)
 
 
 def test_the_baseline_is_drawn_and_written_by_hand_and_all_its_texts_differ(drawn):

@@ -2,7 +2,7 @@ import time
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen.data import _shapes as shapes
@@ -38,6 +38,7 @@ def test_the_bounds_hold_every_box(table: dict[str, Any]) -> None:
         )
 
 
+@settings(max_examples=20)
 @given(designs(), st.integers(2, 9))
 def test_a_row_has_so_many_of_everything(table: dict[str, Any], count: int) -> None:
     parts = Prop.parse(table).parts

@@ -1,4 +1,5 @@
 import os
+import shutil
 import sys
 
 import numpy as np
@@ -24,8 +25,11 @@ TEXTS = [
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("cache")
+def folder(minilm, cache, tmp_path_factory):
+    """Return a cache of this module's own, with the export of the whole session."""
+    return shutil.copytree(
+        cache / "oodscen" / "onnx", tmp_path_factory.mktemp("cache") / "oodscen" / "onnx"
+    ).parents[1]
 
 
 @pytest.fixture(autouse=True)
@@ -60,7 +64,7 @@ def test_neighbours_change_no_bit(encoder):
         assert np.array_equal(encoder.encode([text])[0], row)
 
 
-@pytest.mark.parametrize("damage", ["truncated", "altered", "no record"])
+@pytest.mark.parametrize("damage", ["altered", "no record"])
 def test_a_damaged_export_is_made_again(encoder, damage, monkeypatch):
     expected = encoder.encode(TEXTS[:1])
     file = cache_folder() / "onnx" / f"{encoder.name}.onnx"
@@ -71,9 +75,7 @@ def test_a_damaged_export_is_made_again(encoder, damage, monkeypatch):
     monkeypatch.setattr(
         "oodscen.encoders._onnx._export", lambda load, int8: exports.append(int8) or content
     )
-    if damage == "truncated":
-        file.write_bytes(content[:1000])
-    elif damage == "altered":
+    if damage == "altered":
         file.write_bytes(content[:-1] + bytes([content[-1] ^ 1]))
     else:
         file.with_suffix(".json").write_text("{")

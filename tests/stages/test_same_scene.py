@@ -108,7 +108,7 @@ def test_reading_back_gives_the_scene_and_its_order(scene, rng):
     assert again.digest() == scene.digest()
 
 
-@settings(max_examples=5, suppress_health_check=list(HealthCheck))
+@settings(max_examples=3, suppress_health_check=list(HealthCheck))
 @given(scenes(), st.randoms(use_true_random=False))
 def test_what_is_read_back_runs_the_same(simulator, scene, rng):
     assume(not any(issue.path != "decision" for issue in check_scene(scene, FLAT_CATALOGUE)))

@@ -1,5 +1,8 @@
 """Checks that a scene can be staged and shows its hazard: vocabulary, placement, decision, visibility."""
 
+import numpy as np
+from numpy.typing import NDArray
+
 from oodscen._arguments import checked
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue
 from oodscen.data._episode import MOMENTS
@@ -29,6 +32,8 @@ _RAIL_WORDS = frozenset({"rail", "train", "tram", "locomotive"})
 """Words of assets that drive on railway tracks."""
 _VEHICLES = frozenset({"vehicle", "cyclist"})
 """Categories whose moving actors must start on drivable road."""
+_NEAR_M = 0.01
+"""Gap between the circles around two footprints up to which the bodies may touch, m."""
 _INSIDE_M = 1e-6
 """Distance from the lane's left edge at which a place is still in the lane, m."""
 
@@ -43,7 +48,8 @@ def check_scene(scene: Scene, catalogue: Catalogue) -> list[Issue]:
     path, issues = _roll(scene, catalogue, corridor, within=APPROACH_S)
     if not issues:
         last = len(path) - 1
-        moments = dict(zip(MOMENTS, (path[0], path[last // 2], path[last]), strict=True))
+        shown = (bodies(scene, catalogue, path[step]) for step in (0, last // 2, last))
+        moments = dict(zip(MOMENTS, shown, strict=True))
         issues = truth_issues(scene, corridor, moments, camera=camera_for(catalogue))
     if issues or scene.is_ordinary:
         return issues
@@ -190,26 +196,29 @@ def _ground_issues(
 
 def _roll(
     scene: Scene, catalogue: Catalogue, corridor: Corridor, *, within: float
-) -> tuple[list[tuple[PlacedBody, ...]], list[Issue]]:
-    """Drive blindly until the decision; return all bodies at every step, and the issues found."""
+) -> tuple[list[NDArray[np.float64]], list[Issue]]:
+    """Drive blindly until the decision; return the poses of all bodies at every step, and the issues found."""
     world = KinematicWorld(corridor, scene, catalogue, 0, dt=DT)
     driver = Cruise()
-    path: list[tuple[PlacedBody, ...]] = []
+    path: list[NDArray[np.float64]] = []
     while True:
-        cast = bodies(scene, catalogue, world.poses())
-        path.append(cast)
-        if world.is_off_road():
-            return path, [_early(world, f"{cast[0].at(scene, corridor)} leaves the road")]
-        for body in cast[1:]:
-            if touch(cast[0], body, ignores_flat=False):
-                event = f"{cast[0].at(scene, corridor)} touches {body.at(scene, corridor)}"
-                return path, [_early(world, event)]
+        state, apart = world.publish()
+        path.append(state.poses)
+        near = np.flatnonzero(apart <= _NEAR_M)
+        if state.off_road or len(near):
+            cast = bodies(scene, catalogue, state.poses)
+            if state.off_road:
+                return path, [_early(world, f"{cast[0].at(scene, corridor)} leaves the road")]
+            for row in near:
+                if touch(cast[0], cast[row], ignores_flat=False):
+                    event = f"{cast[0].at(scene, corridor)} touches {cast[row].at(scene, corridor)}"
+                    return path, [_early(world, event)]
         if world.is_due(scene.decision):
             return path, []
         if world.time >= within:
             break
         world.step(driver.act(world.observe()))
-    return path, [_late(scene, path[-1], corridor, within)]
+    return path, [_late(scene, bodies(scene, catalogue, path[-1]), corridor, within)]
 
 
 def _late(scene: Scene, cast: tuple[PlacedBody, ...], corridor: Corridor, within: float) -> Issue:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import assert_never
+from typing import NamedTuple, assert_never
 
 from oodscen.data._scene import CLEAR_AIR_M, FOG_M, Weather
 from oodscen.driving._roads.corridor import Corridor
@@ -218,8 +218,9 @@ class Eye:
         distance: float,
     ) -> float:
         """Return the share of the rays to a body's silhouette that other bodies or a crest block."""
+        own = _Faces.of(body, self.place)
         nearer = [
-            box
+            _Faces.of(box, self.place)
             for box in others
             if math.dist(self.place[:2], (box.x, box.y)) - 0.5 * box.length < distance
         ]
@@ -233,13 +234,12 @@ class Eye:
             u = left + (right - left) * (i + 0.5) / _GRID
             v = top + (bottom - top) * (j + 0.5) / _GRID
             ray = self._ray(u, v)
-            hit = _enters(body, self.place, ray)
+            hit = own.entry(ray)
             if hit is None:
                 continue
             rays += 1
             is_behind_box = any(
-                (entry := _enters(box, self.place, ray)) is not None and entry < hit
-                for box in nearer
+                (entry := box.entry(ray)) is not None and entry < hit for box in nearer
             )
             if is_behind_box or (road is not None and _is_behind_crest(self.place, ray, hit, road)):
                 hidden += 1
@@ -264,25 +264,45 @@ def _cut(a: Point, b: Point) -> Point | None:
     return a[0] + f * (b[0] - a[0]), a[1] + f * (b[1] - a[1]), NEAR_M
 
 
-def _enters(body: UprightBox, origin: Point, ray: Point) -> float | None:
-    """Return the distance along a ray to a box, or `None` if the ray misses it."""
-    start = body.local(origin)
-    cos, sin = math.cos(body.yaw), math.sin(body.yaw)
-    turned = (ray[0] * cos + ray[1] * sin, ray[1] * cos - ray[0] * sin, ray[2])
-    limits = (
-        (-0.5 * body.length, 0.5 * body.length),
-        (-0.5 * body.width, 0.5 * body.width),
-        (0.0, body.height),
-    )
-    enter, leave = 0.0, math.inf
-    for begin, speed, (low, high) in zip(start, turned, limits, strict=True):
-        if abs(speed) < _PARALLEL:
-            if not low <= begin <= high:
+class _Faces(NamedTuple):
+    """A box as rays from one point meet it, in the box's own axes."""
+
+    cos: float
+    sin: float
+    start: Point
+    """The point from which the rays come."""
+    limits: tuple[tuple[float, float], ...]
+
+    @classmethod
+    def of(cls, body: UprightBox, origin: Point) -> "_Faces":
+        return cls(
+            math.cos(body.yaw),
+            math.sin(body.yaw),
+            body.local(origin),
+            (
+                (-0.5 * body.length, 0.5 * body.length),
+                (-0.5 * body.width, 0.5 * body.width),
+                (0.0, body.height),
+            ),
+        )
+
+    def entry(self, ray: Point) -> float | None:
+        """Return the distance along a ray to the box, or `None` if the ray misses it."""
+        x, y, z = ray
+        turned = (x * self.cos + y * self.sin, y * self.cos - x * self.sin, z)
+        enter, leave = 0.0, math.inf
+        for begin, speed, (low, high) in zip(self.start, turned, self.limits, strict=True):
+            if abs(speed) < _PARALLEL:
+                if not low <= begin <= high:
+                    return None
+                continue
+            to_low, to_high = (low - begin) / speed, (high - begin) / speed
+            if to_low > to_high:
+                to_low, to_high = to_high, to_low
+            enter, leave = max(enter, to_low), min(leave, to_high)
+            if enter > leave:
                 return None
-            continue
-        to_low, to_high = (low - begin) / speed, (high - begin) / speed
-        enter, leave = max(enter, min(to_low, to_high)), min(leave, max(to_low, to_high))
-    return enter if enter <= leave else None
+        return enter
 
 
 def _is_behind_crest(origin: Point, ray: Point, hit: float, road: Corridor) -> bool:

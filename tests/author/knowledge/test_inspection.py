@@ -55,44 +55,59 @@ def test_a_sound_file_is_counted_and_tried(tmp_path: Path) -> None:
     assert (found.hazards, found.recipes, found.shown) == (1, 1, {"flat": 1})
 
 
+WORDS = {
+    '"piano"]': ('"piano", "Piano"]', "words[1]: 'Piano' occurs twice"),
+    "A black concert piano blocks the way of the ego vehicle": (
+        "A grand piano is standing in the ego's lane",
+        "events[1]: shares",
+    ),
+    "Movers have put down a piano in front of the ego vehicle and gone": (
+        "A large cardboard box lies in the middle of the ego's lane {where}",
+        "reads like 'cardboard-box'",
+    ),
+    'ordinary = "the lane ahead is free"': ('ordinary = "free"', "ordinary: say"),
+    '["rock"]': ('["cardbord_box"]', "did you mean cardboard_box?"),
+}
+"""Faults of the words of `PIANO`: what is replaced by what, and what is told of it."""
+
+
 @pytest.mark.parametrize(
-    ("old", "new", "message"),
+    "faulty",
     [
-        ('"piano"]', '"piano", "Piano"]', "words[1]: 'Piano' occurs twice"),
-        (
-            "A black concert piano blocks the way of the ego vehicle",
-            "A grand piano is standing in the ego's lane",
-            "events[1]: shares",
-        ),
-        (
-            "Movers have put down a piano in front of the ego vehicle and gone",
-            "A large cardboard box lies in the middle of the ego's lane {where}",
-            "reads like 'cardboard-box'",
-        ),
-        ('ordinary = "the lane ahead is free"', 'ordinary = "free"', "ordinary: say"),
-        ('["rock"]', '["cardbord_box"]', "did you mean cardboard_box?"),
-        ("parameters = {}", 'behaviour = "stand_stil"', "stage.actors: a behaviour: stand stil"),
-        ("parameters = {}", 'behaviour = "bolt"', "cardboard_box is object"),
-        ("parameters = {}", "parameters = { speed = 3.0 }", "stand has no parameter 'speed'"),
-        (
-            "parameters = {}",
-            'behaviour = "cross_road", parameters = { speed = 300.0 }',
-            "parameters.speed: outside",
-        ),
-        ("parameters = {}", 'state = "open"', "cardboard_box has no 'open'"),
-        (
-            "parameters = {} }",
-            'offset = 0.0 }, { id = "second", asset = "rock", at = "piano", ahead = 0.0 }',
-            "stage: on flat: actors",
-        ),
+        WORDS,
+        {"parameters = {}": ('behaviour = "stand_stil"', "stage.actors: a behaviour: stand stil")},
+        {"parameters = {}": ('behaviour = "bolt"', "cardboard_box is object")},
+        {
+            "parameters = {}": (
+                "parameters = { speed = 3.0 }",
+                "stand has no parameter 'speed'",
+            )
+        },
+        {
+            "parameters = {}": (
+                'behaviour = "cross_road", parameters = { speed = 300.0 }',
+                "parameters.speed: outside",
+            )
+        },
+        {"parameters = {}": ('state = "open"', "cardboard_box has no 'open'")},
+        {
+            "parameters = {} }": (
+                'offset = 0.0 }, { id = "second", asset = "rock", at = "piano", ahead = 0.0 }',
+                "stage: on flat: actors",
+            )
+        },
     ],
 )
-def test_a_fault_is_named_with_its_line_and_hazard(
-    tmp_path: Path, old: str, new: str, message: str
+def test_every_fault_is_named_with_its_line_and_hazard(
+    tmp_path: Path, faulty: dict[str, tuple[str, str]]
 ) -> None:
-    assert old in PIANO
-    faults = inspected(tmp_path, PIANO.replace(old, new))
-    assert any(message in fault for fault in faults), faults
+    text = PIANO
+    for old, (new, _) in faulty.items():
+        assert old in text
+        text = text.replace(old, new)
+    faults = inspected(tmp_path, text)
+    for _, message in faulty.values():
+        assert any(message in fault for fault in faults), faults
     assert all(fault.startswith("own.toml:2: hazard[0] grand-piano: ") for fault in faults)
 
 

@@ -139,31 +139,32 @@ def faults_of(path: Path, text: str) -> list[str]:
     return [str(issue) for issue in validate_knowledge(path)]
 
 
-@pytest.mark.parametrize("written", RANGES)
-def test_a_range_that_runs_backwards_is_refused_wherever_it_stands(
-    tmp_path: Path, written: str
-) -> None:
-    path = tmp_path / "own.toml"
-    assert faults_of(path, RECIPE) == []
-    field, low, high = written.replace("[", "").replace("]", "").replace(",", " =").split(" = ")
-    faults = faults_of(path, RECIPE.replace(written, f"{field} = [{high}, {low}]"))
-    (fault,) = [fault for fault in faults if "is more than" in fault]
-    assert f"{field}: {float(high):g} is more than {float(low):g}" in fault
+def test_ranges_that_run_backwards_are_refused_wherever_they_stand(tmp_path: Path) -> None:
+    path, text, expected = tmp_path / "own.toml", RECIPE, []
+    assert faults_of(path, text) == []
+    for written in RANGES:
+        field, low, high = written.replace("[", "").replace("]", "").replace(",", " =").split(" = ")
+        text = text.replace(written, f"{field} = [{high}, {low}]")
+        expected.append(f"{field}: {float(high):g} is more than {float(low):g}")
+    faults = [fault for fault in faults_of(path, text) if "is more than" in fault]
+    assert len(faults) == len(RANGES)
+    for words in expected:
+        assert [words in fault for fault in faults].count(True) == 1, words
     with pytest.raises(DataError):
         load_knowledge(path)
 
 
 @pytest.mark.parametrize(
-    "written", [*RANGES, "lane = 0", "lane = 1", "share = 0.5", "[3.0", "[-2.0", "[100.0"]
+    "places", [(*RANGES, "lane = 0", "lane = 1", "share = 0.5"), ("[3.0", "[-2.0", "[100.0")]
 )
-def test_true_is_no_number(tmp_path: Path, written: str) -> None:
-    path = tmp_path / "own.toml"
-    field, equals, _ = written.partition(" = ")
-    replaced = f"{field} = true" if equals else "[true"
-    assert any(
-        "must not be true or false" in fault
-        for fault in faults_of(path, RECIPE.replace(written, replaced))
-    )
+def test_true_is_no_number(tmp_path: Path, places: tuple[str, ...]) -> None:
+    text, count = RECIPE, 0
+    for written in places:
+        field, equals, _ = written.partition(" = ")
+        count += text.count(written)
+        text = text.replace(written, f"{field} = true" if equals else "[true")
+    faults = faults_of(tmp_path / "own.toml", text)
+    assert sum("must not be true or false" in fault for fault in faults) == count
 
 
 def test_the_manual_counts_right(knowledge: Knowledge) -> None:

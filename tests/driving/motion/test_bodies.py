@@ -1,7 +1,7 @@
 import math
 
 import numpy as np
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen.driving._motion.bodies import GRAVITY, MAX_DRIVE, WHEELBASE, Situation, drive_ego
@@ -73,6 +73,7 @@ def test_constant_steering_drives_a_circle(speed: float, steering: float) -> Non
     assert abs(math.remainder(ego.yaw - 2.0 * speed * curvature, math.tau)) < 1e-4
 
 
+@settings(max_examples=20)
 @given(st.floats(0, 40), st.floats(0.2, 1.0), st.floats(0.5, 9))
 def test_braking_distance_is_that_of_physics(speed: float, friction: float, brake: float) -> None:
     ego = body(speed)

@@ -140,7 +140,7 @@ def test_no_body_moves_faster_than_it_can(
     assert abs(world.motion("thing").speed) * dt <= most or motion.frame == "other"
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(
     sound_motions().filter(lambda one: one.frame == "start" and one.by == "time"),
     st.integers(0, 5),

@@ -30,11 +30,27 @@ MOTIONS = [
 MADE = [doing(motion.kind()).model_copy(update={"motions": (motion,)}) for motion in MOTIONS]
 
 
+@pytest.fixture(autouse=True, scope="module")
+def _reactions_once():
+    """Drive each scene for its reactive files once, whatever is written of it."""
+    known = {}
+
+    def once(scene, catalogue, seed):
+        key = (scene.to_json(), catalogue.digest(), seed)
+        return (
+            known[key] if key in known else known.setdefault(key, reactions(scene, catalogue, seed))
+        )
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("oodscen.interchange._writing.scenario.reactions", once)
+        yield
+
+
 def names(root, tag, attribute):
     return [one.get(attribute) for one in root.iter(tag)]
 
 
-@pytest.mark.parametrize("scene", [*SCENES, *DOINGS, *MADE], ids=lambda one: one.id)
+@pytest.mark.parametrize("scene", [*SCENES[::2], *DOINGS, *MADE], ids=lambda one: one.id)
 def test_a_replay_has_every_course_within_a_millimetre_and_a_degree(scene):
     truth = replayed(scene, UnrenderedSimulator(catalogue()), "stop", 0)
     played = centres(to_openscenario(scene, catalogue(), action="stop").xosc, truth.time)
@@ -45,8 +61,14 @@ def test_a_replay_has_every_course_within_a_millimetre_and_a_degree(scene):
         assert turned(played[name][:, 3], truth.poses[:, row, 3]) < 1.0, name
 
 
-@pytest.mark.parametrize("mode", ["replay", "reactive"])
-@pytest.mark.parametrize("scene", [*SCENES[::3], *DOINGS, *MADE], ids=lambda one: one.id)
+@pytest.mark.parametrize(
+    ("scene", "mode"),
+    [
+        *((scene, "reactive") for scene in (*SCENES[::3], *DOINGS, *MADE)),
+        *((scene, "replay") for scene in (*SCENES[::3], *MADE)),
+    ],
+    ids=lambda one: getattr(one, "id", one),
+)
 def test_every_reference_leads_somewhere_and_names_are_unique(scene, mode):
     root = etree.fromstring(to_openscenario(scene, catalogue(), mode=mode, target="esmini").xosc)
     entities = names(root, "ScenarioObject", "name")
@@ -129,7 +151,7 @@ def test_an_action_is_written_exactly_where_the_ego_has_its_lane(action):
                 write(scene, catalogue(), action=action)
 
 
-@pytest.mark.parametrize("scene", [*SCENES[::2], *DOINGS], ids=lambda one: one.id)
+@pytest.mark.parametrize("scene", [*SCENES[::4], *DOINGS], ids=lambda one: one.id)
 def test_scenario_runner_gets_its_own_actions_or_a_reason_for_each_actor(scene):
     options = {"mode": "reactive", "target": "carla-scenario-runner"}
     if reasons := unplayable(scene, reactions(scene, catalogue(), 0)):

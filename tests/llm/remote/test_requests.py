@@ -23,7 +23,7 @@ def request(sample=0):
     return Request(PROMPT, PROMPT.messages(), PROMPT.answer_schema(), sample)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 @example(faults=["http429"] * 60, strikes=2, cap=None, last_wait=99)
 @example(faults=["http429"] * 60, strikes=9, cap=None, last_wait=3)
 @given(

@@ -1,6 +1,7 @@
 """Demands: accepted like scenes, true to their texts, never like the hazard, the same again for the same seed."""
 
 from dataclasses import replace
+from functools import cache
 from itertools import islice
 
 import numpy as np
@@ -38,15 +39,20 @@ def simulator():
         yield one
 
 
-def placed(road, number=0):
-    scene = example_scene()
-    return Scene.model_validate({**scene.model_dump(), "map": road, "id": f"s-{number}"})
+def placed(road):
+    return Scene.model_validate({**example_scene().model_dump(), "map": road, "id": "s-0"})
+
+
+@pytest.fixture(scope="module")
+def run_on(simulator):
+    """Return what runs the scene on a road, once."""
+    return cache(lambda road: simulate(placed(road), simulator, camera=SMALL))
 
 
 @pytest.mark.parametrize("road", MAPS)
-def test_a_demand_passes_the_checks_of_scenes_and_its_text_is_true(simulator, road):
+def test_a_demand_passes_the_checks_of_scenes_and_its_text_is_true(simulator, run_on, road):
     scene, catalogue = placed(road), simulator.catalogue()
-    run = simulate(scene, simulator, camera=SMALL)
+    run = run_on(road)
     found = draw_demand(scene, run, Rerunner(simulator, camera=SMALL)).scene
     assert found.is_ordinary
     assert not found.is_twin
@@ -58,9 +64,9 @@ def test_a_demand_passes_the_checks_of_scenes_and_its_text_is_true(simulator, ro
     assert Scene.parse(found.model_dump_json()) == found
 
 
-def test_a_demand_leaves_an_action_safe_and_is_the_same_again(simulator):
+def test_a_demand_leaves_an_action_safe_and_is_the_same_again(simulator, run_on):
     scene = placed("urban_avenue")
-    run = simulate(scene, simulator, camera=SMALL)
+    run = run_on("urban_avenue")
     first, second = (
         draw_demand(scene, run, Rerunner(simulator, 3, camera=SMALL)) for _ in range(2)
     )
@@ -73,14 +79,14 @@ def test_a_demand_leaves_an_action_safe_and_is_the_same_again(simulator):
     ("asset", "left_out"),
     [("cone", "works"), ("cyclist", "cyclist"), ("adult", "zebra"), ("bus", "bus_stop")],
 )
-def test_no_kind_looks_like_the_hazard(simulator, asset, left_out):
+def test_no_kind_looks_like_the_hazard(simulator, run_on, asset, left_out):
     scene = placed("urban_avenue")
     known = {one.id for one in simulator.catalogue().assets}
     if asset not in known:
         pytest.skip(f"the catalogue has no {asset}")
     (box,) = scene.actors
     changed = scene.model_copy(update={"actors": (box.model_copy(update={"asset": asset}),)})
-    run = simulate(scene, simulator, camera=SMALL)
+    run = run_on("urban_avenue")
     setting = Setting.of(scene, simulator.catalogue(), run.trace, run.episode.sketch)
     kinds = {
         ranked_candidate.kind.id for ranked_candidate in ranked_candidates(changed, setting, 0)
@@ -90,9 +96,9 @@ def test_no_kind_looks_like_the_hazard(simulator, asset, left_out):
 
 
 @pytest.mark.parametrize("road", MAPS)
-def test_nobody_of_a_demand_drives_in_the_very_middle_of_a_lane(simulator, road):
+def test_nobody_of_a_demand_drives_in_the_very_middle_of_a_lane(simulator, run_on, road):
     scene = placed(road)
-    run = simulate(scene, simulator, camera=SMALL)
+    run = run_on(road)
     setting = Setting.of(scene, simulator.catalogue(), run.trace, run.episode.sketch)
     drivers = [
         actor.placement.offset_m
@@ -117,9 +123,9 @@ def test_looks_differ_as_much_either_way_and_not_from_themselves(one, other):
     assert first.difference(NearbyBodies.of([*one, (20.0, 0.0, 3.0)])) > 0.0
 
 
-def test_a_demand_has_about_as_many_bodies_as_its_scene(simulator):
+def test_a_demand_has_about_as_many_bodies_as_its_scene(simulator, run_on):
     scene = placed("urban_avenue")
-    run = simulate(scene, simulator, camera=SMALL)
+    run = run_on("urban_avenue")
     setting = Setting.of(scene, simulator.catalogue(), run.trace, run.episode.sketch)
 
     def first_bodies(bodies):
@@ -139,9 +145,9 @@ def candidates_for(scene, run, rerunner, picture):
 
 
 @pytest.mark.parametrize("road", MAPS[:3])
-def test_demands_whose_pictures_are_about_as_full_come_first(simulator, road):
+def test_demands_whose_pictures_are_about_as_full_come_first(simulator, run_on, road):
     scene, rerunner = placed(road), Rerunner(simulator, camera=SMALL)
-    run = simulate(scene, simulator, camera=SMALL)
+    run = run_on(road)
     shape = run.frames["last"].rgb.shape
     noise = np.random.default_rng(0).integers(0, 256, shape, np.uint8)
     few, for_full = candidates_for(scene, run, rerunner, noise)

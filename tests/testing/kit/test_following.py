@@ -105,7 +105,7 @@ def test_an_error_of_the_simulator_is_no_finding_about_its_pictures():
         found(Broken)
 
 
-@settings(max_examples=4, deadline=None)
+@settings(max_examples=2, deadline=None)
 @given(steps=st.integers(1, 12))
 def test_pictures_that_are_late_are_found(steps):
     assert any(LATE in line for line in found(late(steps)))
@@ -118,7 +118,7 @@ def test_a_restored_picture_of_the_other_branch_is_found(states_only):
     assert all("right after restore()" in line for line in lines)
 
 
-@settings(max_examples=4, deadline=None)
+@settings(max_examples=2, deadline=None)
 @given(drawn=st.integers(0, ACTORS - 1))
 def test_actors_that_are_not_drawn_are_found(drawn):
     class Few(Shown):
@@ -130,7 +130,7 @@ def test_actors_that_are_not_drawn_are_found(drawn):
     assert any("shows 0 of about" in line for line in lines)
 
 
-@settings(max_examples=4, deadline=None)
+@settings(max_examples=2, deadline=None)
 @given(pair=st.lists(st.integers(2, ACTORS + 1), min_size=2, max_size=2, unique=True))
 def test_two_ids_that_are_swapped_are_found_however_many_bodies_it_takes(pair):
     """Ids of actors begin at 2; 0 is the scenery, 1 the ego."""

@@ -29,7 +29,7 @@ def request(arguments: object, number: int = 1, method: str = "tick_cue") -> byt
     return msgpack.packb([0, number, method, arguments])
 
 
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(st.lists(st.lists(VALUES, max_size=5), max_size=4), st.data())
 def test_messages_come_back_however_the_bytes_are_cut(calls, data):
     sent = b"".join(request(arguments, number) for number, arguments in enumerate(calls))

@@ -89,7 +89,7 @@ PLACES: dict[Theme, dict[float, set[str]]] = {
     "rural": {5.0: {"turf"}, 50.0: CROPS, 150.0: {"hill"}},
 }
 """Surfaces by the distance from the road, m."""
-ALONG = [float(x) + OFF for x in range(100, 300, 7)]
+ALONG = [float(x) + OFF for x in range(100, 300, 14)]
 
 
 @pytest.mark.parametrize("edge", ["curb", "solid"])

@@ -104,7 +104,7 @@ def test_the_ground_never_reaches_into_a_lane_of_a_shipped_map(road: RoadMap) ->
     assert not bad.any(), points[bad][:5]
 
 
-@settings(max_examples=6)
+@settings(max_examples=3)
 @given(st.floats(0.0, 6.2), st.floats(-0.03, 0.03))
 def test_the_ground_never_reaches_into_roads_that_touch(turn: float, bend: float) -> None:
     other = OtherRoad(one_way(turn, bend, forward=False), "back", is_connecting=False)
