@@ -15,8 +15,8 @@ from oodscen.judging._references import AspectOption
 from oodscen.judging._scoring import AnswerKey
 from oodscen.protocols import Camera
 from oodscen.study._frames import frames_of
+from oodscen.study._judged import AnswerKeys, Judged, is_shown
 from oodscen.study._stale import refuse_stale
-from oodscen.study._stale_verdicts import AnswerKeys, Judged, is_shown
 
 if TYPE_CHECKING:
     from oodscen.study._store import Store

@@ -13,14 +13,10 @@ from oodscen.data._scene import Scene
 from oodscen.data._verdict import Protocol, Verdict, verdict_id
 from oodscen.errors import UsageError
 from oodscen.judging._aspects.opinions import Opinion
-from oodscen.judging._items import judged_episodes, unnamed_scenes
-from oodscen.judging._kinds import Kinds
 from oodscen.judging._people import PersonAnswers, person
-from oodscen.judging._questions import aspect_options
-from oodscen.judging._references import AspectOption
-from oodscen.judging._scoring import AnswerKey, Truth, is_scored
-from oodscen.judging._selection import choose_items
+from oodscen.judging._scoring import is_scored
 from oodscen.study._config import StudyConfig
+from oodscen.study._judged import AnswerKeys, Judged, is_shown
 
 if TYPE_CHECKING:
     from oodscen.study._store import Store
@@ -34,42 +30,6 @@ _SHOWN = 5
 _SCORES = ("success", "action_is_safe", "choice_is_right", "thing_is_right", "aspect_is_right")
 _ENDED = ("answered", "unavailable")
 """Outcomes of a drive of which every question was answered."""
-
-
-class AnswerKeys:
-    """The keys to the answers about the drives of a study.
-
-    Args:
-        scenarios: The texts.
-        scenes: The scenes of the texts.
-        seed: The study's seed.
-    """
-
-    def __init__(
-        self, scenarios: Sequence[Scenario], scenes: Sequence[Scene], *, seed: int
-    ) -> None:
-        self._scenarios = {scenario.id: scenario for scenario in scenarios}
-        self._scenes = {scene.id: scene for scene in scenes}
-        self._seed = seed
-        self._keys: dict[tuple[str, Protocol], AnswerKey] = {}
-        self._kinds = Kinds.of(scenarios, {scene.id: scene.map for scene in scenes}, seed=seed)
-
-    def of(self, episode: Episode, protocol: Protocol) -> AnswerKey:
-        """Return the key to the answers about an episode, with the options of the closed question."""
-        name = episode.scene_id, protocol
-        if name not in self._keys:
-            self._keys[name] = self._key(episode, protocol)
-        return self._keys[name]
-
-    def _key(self, episode: Episode, protocol: Protocol) -> AnswerKey:
-        scene_id = scene_of(episode.scene_id)
-        scene = self._scenes.get(scene_id)
-        truth = Truth.of(self._scenarios.get(scene_id), scene)
-        options: tuple[AspectOption, ...] = ()
-        if protocol == "ours":
-            kinds = self._kinds.offered(truth.leaf, scene.map if scene else "")
-            options = aspect_options(kinds, seed=self._seed, item=episode.scene_id)
-        return AnswerKey.of(episode, truth, options)
 
 
 class VerdictRule:
@@ -151,11 +111,6 @@ class VerdictRule:
         )
 
 
-def is_shown(episode: Episode) -> bool:
-    """Return whether there is something to show of an episode."""
-    return episode.status == "ok" and bool(episode.frames)
-
-
 def _truth_digests(
     shown: Mapping[Protocol, Sequence[Episode]],
     scenarios: Sequence[Scenario],
@@ -190,26 +145,6 @@ def _truth_digests(
             digests[protocol, episode.scene_id] = digest(truth)
         digests[protocol, ""] = digest(list(digests.values()))
     return digests
-
-
-class Judged(NamedTuple):
-    """The part of a study that answerers are judged on."""
-
-    episodes: list[Episode]
-    """The episodes without those of scenes whose hazard cannot be named at the decision."""
-    asked: list[Episode]
-    """The episodes that answerers are asked about."""
-    scenes: list[Scene]
-
-    @classmethod
-    def of(
-        cls, episodes: Sequence[Episode], scenes: Sequence[Scene], config: StudyConfig
-    ) -> "Judged":
-        """Return the part of a study's episodes and scenes that answerers are judged on."""
-        asked = choose_items(episodes, count=config.ordinary, seed=config.seed)
-        unnamed = unnamed_scenes(episodes)
-        judged = judged_episodes(episodes)
-        return cls(judged, asked, [scene for scene in scenes if scene.id not in unnamed])
 
 
 class Tables(NamedTuple):
@@ -272,12 +207,12 @@ def stale_in_words(stale: Sequence[Verdict]) -> str:
     listed = ", ".join(map(one_line, names[:_SHOWN]))
     if len(names) > _SHOWN:
         listed += ", ..."
-    subject, pronoun = f"1 verdict ({listed}) does", "it was"
+    subject, were, again = f"1 verdict ({listed}) does", "it was", "it"
     if len(stale) > 1:
-        subject, pronoun = f"{len(stale)} verdicts ({listed}) do", "they were"
+        subject, were, again = f"{len(stale)} verdicts ({listed}) do", "they were", "them"
     return (
-        f"{subject} not belong to the drives of this study: {pronoun} made from others, or edited; the same "
-        "`oodscen run OUT` makes them again"
+        f"{subject} not belong to the drives of this study: {were} made from others, or edited; the same "
+        f"`oodscen run OUT` makes {again} again"
     )
 
 

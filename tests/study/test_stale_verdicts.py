@@ -21,7 +21,7 @@ from oodscen.study._stale_verdicts import Tables, stale_in_words
 from oodscen.testing import ScriptedLLM
 from tests.pipeline.quick import SMALL, asked_about
 
-REMEDY = "; the same `oodscen run OUT` makes them again"
+REMEDY = "; the same `oodscen run OUT` makes {} again"
 CONFIG = SMALL.model_copy(
     update={
         "vlms": ("mine", "other"),
@@ -154,7 +154,7 @@ def test_readers_refuse_in_one_line_and_the_run_mends_it(out, tmp_path, values):
     ):
         found = CliRunner().invoke(main, [str(word) for word in words])
         assert (found.exit_code, found.output.count("\n")) == (2, 1), found.output
-        assert REMEDY in found.output
+        assert REMEDY.format("it" if "1 verdict " in found.output else "them") in found.output
     assert {path: path.read_bytes() for path in out.rglob("*") if path.is_file()} == before
     assert not (tmp_path / "data").exists()
     study = Study.open(out)
@@ -221,6 +221,6 @@ def test_some_names_and_the_remedy_are_told_on_one_line(judged, count):
     names = list(dict.fromkeys(one.model for one in found))[:count]
     words = stale_in_words([next(one for one in found if one.model == name) for name in names])
     assert words.startswith(f"{count} verdict")
-    assert words.endswith(REMEDY)
+    assert words.endswith(REMEDY.format("it" if count == 1 else "them"))
     assert "\n" not in words
     assert sum(name in words for name in names) <= 6

@@ -42,7 +42,8 @@ from oodscen.llm._remote.rate_limit import JUDGING
 from oodscen.prompts._judging.name_aspect import NameAspect
 from oodscen.prompts._versions import prompt_versions
 from oodscen.protocols import LLM
-from oodscen.study._stale_verdicts import Judged, VerdictRule
+from oodscen.study._judged import Judged
+from oodscen.study._stale_verdicts import VerdictRule
 
 _VERDICTS = "verdicts.jsonl"
 

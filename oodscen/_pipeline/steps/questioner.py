@@ -15,7 +15,7 @@ from oodscen.protocols import LLM
 from oodscen.stages._evaluate import answers_of_reference, unjudged_verdict
 from oodscen.stages._evaluate import evaluate as judge_episode
 from oodscen.study._frames import frames_of
-from oodscen.study._stale_verdicts import AnswerKeys
+from oodscen.study._judged import AnswerKeys
 
 
 class Item(NamedTuple):
