@@ -52,11 +52,16 @@ class Drive:
         simulator: The simulator to drive in.
         scenes: The session's scenes.
         test: The id of the test, which tells its pictures from those of other tests.
+
+    Raises:
+        UsageError: If a `scene` of the test's own is no scene.
     """
 
     def __init__(self, scene: Scene, simulator: Simulator, scenes: Scenes, test: str) -> None:
-        self._scene, self._simulator, self._scenes = scene, simulator, scenes
-        self._test = test
+        instance_of("scene", scene, Scene)
+        self._simulator, self._scenes, self._test = simulator, scenes, test
+        self.scene = scene
+        """The scene of the test."""
         self.results: list[DriveResult] = []
         """Results of the drives, in order, failed ones included."""
         self.began: list[float] = []
@@ -76,7 +81,7 @@ class Drive:
 
     @property
     def _plan(self) -> DrivePlan:
-        return self._scenes.plan(self._scene, self._simulator)
+        return self._scenes.plan(self.scene, self._simulator)
 
     def __call__(
         self,
@@ -100,9 +105,9 @@ class Drive:
         """
         make, own_name = _maker(driver)
         label = name or own_name
-        driven_scene = self._scene if scene is None else scene
+        driven_scene = self.scene if scene is None else scene
         instance_of("scene", driven_scene, Scene)
-        is_its_twin = driven_scene.id == twin_id(self._scene.id)
+        is_its_twin = driven_scene.id == twin_id(self.scene.id)
         plan = self._plan if is_its_twin else self._scenes.plan(driven_scene, self._simulator)
         is_clear = is_its_twin and plan.is_clear  # Before the drive, whose moments are pictured.
         facts: dict[str, object] = {"made_from": plan.scene.digest()}

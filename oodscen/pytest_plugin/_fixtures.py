@@ -55,11 +55,11 @@ def drive(scene: "Scene", simulator: "Simulator", request: pytest.FixtureRequest
 
     try:
         # Not read before if the test has a `scene` of its own.
-        scenes = _session(request).scenes
+        drive = Drive(scene, simulator, _session(request).scenes, request.node.nodeid)
     except OodscenError as error:
         pytest.fail(printable(str(error)), pytrace=False)
-    request.node.stash[DRIVE] = Drive(scene, simulator, scenes, request.node.nodeid)
-    return cast("Drive", request.node.stash[DRIVE])
+    request.node.stash[DRIVE] = drive
+    return drive
 
 
 @pytest.fixture

@@ -190,12 +190,12 @@ class DrivingSession:
     ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
         """Add what happened to the report of a test, and forgive a failure that is known or counted."""
         report = yield
-        scene = _scene_of(item)
+        drive, subtests = item.stash.get(DRIVE, None), item.stash.get(SUBTESTS, Subtests())
+        scene = drive.scene if drive else _scene_of(item)
         if scene is None or report.when == "teardown":
             return report
         if report.when == "setup" and report.passed:
             return report
-        drive, subtests = item.stash.get(DRIVE, None), item.stash.get(SUBTESTS, Subtests())
         driven = [result.model_dump(mode="json") for result in drive.results] if drive else []
         if report.skipped:
             # Neither passed nor failed, for the baseline; what it drove counts for the stack nevertheless.
@@ -413,7 +413,7 @@ def _scenes_per_path(text: str | None) -> int | None:
 
 
 def _scene_of(item: pytest.Item) -> "Scene | None":
-    """Return the scene that a test is run for."""
+    """Return the scene of the study that a test is run for."""
     callspec = getattr(item, "callspec", None)
     scene: Scene | None = callspec.params.get(PARAMETER) if callspec else None
     return scene

@@ -6,7 +6,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, ClassVar, Literal, NoReturn, Self, TypeAlias
 
-from oodscen._arguments import checked, instance_of
+from oodscen._arguments import checked, instance_of, instances_of
 from oodscen._files import read_utf8
 from oodscen._numbers import whole_number
 from oodscen.data._base import Data, canonical_json, digest
@@ -77,8 +77,10 @@ class ScenarioTree:
 
         Raises:
             DataError: With one issue per edit that does not fit.
+            UsageError: If an element is no edit.
         """
         log = tuple(edits)
+        instances_of("edits", log, TreeEdit)
         index, issues = EditLog().extend(0, log)
         if issues:
             raise DataError(self.noun, issues)

@@ -231,6 +231,35 @@ def test_a_failure_that_the_requirement_does_not_count_fails(session, pytester):
     assert result.parseoutcomes() == {"failed": 2, "deselected": 4}
 
 
+OWN_SCENE = """
+import pytest
+from oodscen.testing import example_scene
+from stack import Stack
+
+
+@pytest.fixture
+def scene():
+    return example_scene()
+
+
+def test_own(drive):
+    assert drive(Stack).is_safe
+"""
+
+
+def test_drives_in_a_scene_of_ones_own_count_and_are_shown(session, pytester):
+    pytester.makepyfile(test_stack=OWN_SCENE)
+    result = session("Blind", "--oodscen-require=safe>=0.5")
+    result.stdout.fnmatch_lines(["Blind, scenes: 0 of 1 safe, 1 collisions, *"])
+    assert result.parseoutcomes() == {"xfailed": 1}
+    session("Blind", "--oodscen-baseline=known.json", "--oodscen-baseline-mode=write")
+    assert session("Blind", "--oodscen-baseline=known.json").ret == pytest.ExitCode.OK
+    result = session("Blind")
+    result.stdout.fnmatch_lines(["scene      example-001", "outcome    touches box *"])
+    pytester.makepyfile(test_stack=OWN_SCENE.replace("example_scene()", "'box-001'"))
+    session("Blind").stdout.fnmatch_lines(["scene must be a Scene, not 'box-001'"])
+
+
 def test_a_requirement_without_a_drive_fails_and_says_so(session, pytester):
     pytester.makepyfile(test_stack="def test_plain(): pass")
     result = session("Blind", "--oodscen-require=safe>=0")

@@ -278,7 +278,7 @@ def test_findings_that_are_alike_are_one_line() -> None:
     alike = tuple(Finding(f"behaviour {n}", f"is {n} m off") for n in range(9))
     lines = PartResult("motion", (*alike, Finding("", "is late"))).lines()
     assert lines == [
-        "motion: 9 behaviours (0, 1, 2, 3, 4, 5 and 3 more): is 0 m off",
+        "motion: 9 behaviours (0, 1, 2, 3, 4, 5 and 3 more): is 0 m off (the first)",
         "motion: is late",
     ]
 

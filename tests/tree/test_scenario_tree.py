@@ -528,6 +528,8 @@ def test_an_object_without_nodes_and_edits_is_no_tree():
         lambda tree: tree.new_id(None),
         lambda tree: tree.initial(3),
         lambda tree: tree.before(3),
+        lambda tree: ScenarioTree(edit.model_dump() for edit in tree.edits),
+        lambda tree: ScenarioTree(tree.edits[0]),
     ],
 )
 def test_arguments_of_another_kind_are_refused(call):

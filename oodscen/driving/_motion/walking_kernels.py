@@ -5,10 +5,7 @@ import math
 from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.behaviour_codes import Code
 from oodscen.driving._motion.bodies import Situation
-from oodscen.driving._motion.lane_keeping import (
-    move,
-    speed_up,
-)
+from oodscen.driving._motion.lane_keeping import move, speed_up
 from oodscen.numerics._exact import PI, TAU, atan2, cos, quantised, sin, sincos, wrapped
 from oodscen.numerics._kernels import part
 
@@ -41,7 +38,8 @@ def walk(w: Situation, i: int, code: int, waited: float) -> None:
 @part
 def _hesitate(w: Situation, i: int) -> None:
     """Go a given distance, pause, and go back."""
-    state, distance = w.state, w.traits[i, col.DISTANCE]
+    # Distances gone are rounded, and would never reach one that is not.
+    state, distance = w.state, quantised(w.traits[i, col.DISTANCE])
     if state[i, col.MEMORY] < distance - _ROUNDING:
         _go(w, i, distance, w.traits[i, col.QUICKNESS])
     elif state[i, col.MEMORY + 1] < w.traits[i, col.PAUSE] - _ROUNDING:

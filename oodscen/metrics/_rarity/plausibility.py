@@ -8,14 +8,17 @@ import re
 from typing import Final
 
 _BEINGS: Final = (
-    r"aliens?(?!-)|ghosts?(?! (?:drivers?|riders?|bikes?|cars?|islands?|towns?)\b)|unicorns?|dragons?(?!['’]| boats?\b)|zombies?|wizards?|witch(?:es)?|mermaids?|werewol(?:f|ves)|vampires?|"
+    r"aliens?(?!-| (?:plants?|species|trees?)\b)|ghosts?(?! (?:drivers?|riders?|bikes?|cars?|islands?|towns?|(?:(?:lane|road) )?(?:lines?|markings?)|"
+    r"brak(?:es|ing)|detections?|objects?)\b)|unicorns?|dragons?(?!['’]| (?:boats?|danc\w+|kites?|streets?)\b)|zombies?|wizards?|witch(?:es)?(?! hazels?\b)|"
+    r"mermaids?|werewol(?:f|ves)|vampires?(?! bats?\b)|"
     r"godzilla|sorcerers?|dinosaurs?|woolly mammoths?|mammoths|centaurs?|trolls?|goblins?|spaceships?|starships?|ufos?|flying saucers?"
 )
 _READ = 20_000
 """Characters of a text that are searched."""
 _DISPLAYED = re.compile(
     r"\b(?:costumes?|dressed|masks?|posters?|billboards?|inflatables?|balloons?|statues?|floats?|toys?|painted|"
-    r"printed|models?|mascots?|carnival|halloween|film|movie|sculptures?|replicas?|cardboard)\b"
+    r"printed|models?|mascots?|carnival|halloween|film|movie|sculptures?|replicas?|cardboard|animatronics?|skeletons?|fossils?|exhibits?|murals?|"
+    r"stickers?|adverts?|advertisements?|message boards?|reads)\b"
 )
 """Words of what only shows a being."""
 _GROUND: Final = (
@@ -26,7 +29,9 @@ _HEAVY: Final = r"(?:cars?|trucks?|lorr(?:y|ies)|bus(?:es)?|vans?|vehicles?|tram
 _ROOTED: Final = (
     r"(?:trees?|traffic lights?|houses?|buildings?|lamp posts?|bridges?|hydrants?|walls?)"
 )
-_BEING = re.compile(rf"(?<!like a )(?<!like an )\b(?:{_BEINGS})\b")
+_BEING = re.compile(
+    rf"(?<!like a )(?<!like an )(?<!illegal )(?<!komodo )(?<!bearded )\b(?:{_BEINGS})\b"
+)
 _IMPOSSIBLE = tuple(
     re.compile(pattern)
     for pattern in (
@@ -43,12 +48,13 @@ _IMPOSSIBLE = tuple(
         rf"\b{_ROOTED} (?:\w+ )?(?:walks?|jumps?(?! (?:from|to) (?:amber|green|red|yellow)\b)|dances?|drives?|speaks?|talks?|sings?|chases?|swims?)\b",
         rf"\b{_GROUND} (?:\w+ )?(?:transforms|morphs) into\b",
         rf"\b{_GROUND} (?:\w+ )?(?:turns|changes) into (?:a |an )?(?:swan|bird|frog|dog|cat|horse|cow|elephant|snake|fish|"
-        r"monster|robot|pumpkin|boat|plane|house|cloud|stone|gold)\b",
+        r"monster|robot|pumpkin|boat|plane|house|cloud|stone|gold)\b(?! (?:trailers?|vans?|box(?:es)?|transporters?|farms?|yards?|drives?|driveways?|parks?|"
+        r"streets?|roads?))",
         r"\b(?:road|street|lane)s? (?:suddenly )?(?:comes alive|bends upwards into|becomes (?:lava|glass|water|vertical))\b",
     )
 )
-_WHOLE: Final = r"(?<![\d.,])([1-9]\d{0,2}(?:[%s\s]\d{3}){1,4}|\d+)(?:[.,]\d+)?[\s-]*"
-"""A number whose groups of three digits these signs part."""
+_WHOLE: Final = r"(?<![\w.,])([1-9]\d{0,2}(?:[%s\s]\d{3}){1,4}|\d+)(?:[.,]\d+)?[\s-]*"
+"""A number whose groups of three digits these signs part; the digit of a road such as A9 is none of it."""
 _AN_HOUR, _A_SECOND = r"\s?(?:/|per|an)\s?h(?:our)?", r"\s?(?:/|per)\s?s(?:ec(?:ond)?)?"
 _FASTEST: Final = tuple(
     (re.compile(rf"{_WHOLE % separators}(?:{units})\b"), limit)

@@ -6,10 +6,12 @@ from typing import Any, Literal
 from pydantic import SerializerFunctionWrapHandler, model_serializer
 
 from oodscen._arguments import checked
+from oodscen._display import cut
 from oodscen._paper import attestation
 from oodscen.data._additions import Addition
 from oodscen.data._base import Data
-from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
+from oodscen.errors import UsageError
+from oodscen.tree._scenario_tree import Node, ScenarioTree, TreeEdit
 
 MEANS = ("assets", "states", "behaviours", "weather", "traits")
 """Fields of a decision, and of an answer, that say what a branch is shown with."""
@@ -90,55 +92,71 @@ def all_decisions(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[P
 
     An inner node is kept exactly if one of its children is, and is realised by everything that realises
     these. The root always stays. Leaves that are realised by the same means name each other in `same_as`.
+
+    Args:
+        tree: The diverse tree.
+        judged: Decisions on leaves, or on every node; those on inner nodes are ignored.
+
+    Raises:
+        UsageError: If there is no decision on some leaf.
     """
-    judged = alike(tree, judged)
-    leaves = {decision.id for decision in judged}
+    decisions = decisions_on_nodes(tree, judged)
+    groups: dict[tuple[frozenset[str], ...], list[str]] = {}
+    for node in tree.nodes:
+        decision = decisions[node.id]
+        if decision.keep and not tree.children[node.id] and any(means := _means(decision)):
+            groups.setdefault(means, []).append(node.id)
+    same_as = {
+        leaf: tuple(other for other in group if other != leaf)
+        for group in groups.values()
+        for leaf in group
+    }
     return [
-        decision
-        if decision.id in leaves
-        else decision.model_copy(update={"path": tree.path(decision.id)})
-        for decision in decisions_on_nodes(tree, judged)
+        decision.model_copy(update={"path": tree.path(name), "same_as": same_as.get(name, ())})
+        for name, decision in decisions.items()
     ]
 
 
-def decisions_on_nodes(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:
-    """Extend the decisions on leaves to every node; inner nodes get no path."""
-    by_id = {decision.id: decision for decision in judged}
-    for node, _ in reversed(list(tree.walk())):
-        if node.id in by_id:
-            continue
-        children = [by_id[child] for child in tree.children[node.id]]
-        kept = [child for child in children if child.keep]
-        match: Match = "part" if kept else "none"
-        if children and all(child.match == "full" for child in children):
-            match = "full"
-        reason = f"{len(kept)} of {len(children)} branches can be shown"
-        by_id[node.id] = PruneDecision(
-            id=node.id,
-            path=(),
-            keep=bool(kept) or node.parent is None,
-            reason=reason if children else "nothing lies below it",
-            match=match,
-            **{name: _united(kept, name) for name in (*MEANS, "substitutes")},
-            catalogue=children[0].catalogue if children else "",
+def decisions_on_nodes(
+    tree: ScenarioTree, judged: Iterable[PruneDecision]
+) -> dict[str, PruneDecision]:
+    """Return the decisions on all nodes by their ids, in tree order; inner nodes get no path.
+
+    Raises:
+        UsageError: If there is no decision on some leaf.
+    """
+    given = {decision.id: decision for decision in judged}
+    leaves = [leaf.id for leaf in tree.leaves]
+    if missing := [leaf for leaf in leaves if leaf not in given]:
+        raise UsageError(
+            f"no decision on {len(missing)} of {len(leaves)} leaves: {cut(', '.join(missing))}"
         )
-    return [by_id[node.id] for node, _ in tree.walk()]
+    by_id = {leaf: given[leaf] for leaf in leaves}
+    nodes = [node for node, _ in tree.walk()]
+    for node in reversed(nodes):
+        if node.id not in by_id:
+            children = [by_id[child] for child in tree.children[node.id]]
+            by_id[node.id] = _of_inner(node, children)
+    return {node.id: by_id[node.id] for node in nodes}
 
 
-def alike(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> list[PruneDecision]:
-    """Set `same_as` of kept leaves that the simulator shows by the same means; keep the given order."""
-    judged = list(judged)
-    order = {node.id: number for number, node in enumerate(tree.nodes)}
-    groups: dict[tuple[frozenset[str], ...], list[str]] = {}
-    for decision in sorted(judged, key=lambda decision: order.get(decision.id, len(order))):
-        if decision.keep and any(means := _means(decision)):
-            groups.setdefault(means, []).append(decision.id)
-    marked = []
-    for decision in judged:
-        group = groups.get(_means(decision), []) if decision.keep else []
-        same_as = tuple(leaf for leaf in group if leaf != decision.id)
-        marked.append(decision.model_copy(update={"same_as": same_as}))
-    return marked
+def _of_inner(node: Node, children: Sequence[PruneDecision]) -> PruneDecision:
+    """Return the decision on a node that is no leaf, which follows from those on its children."""
+    kept = [child for child in children if child.keep]
+    matches = {child.match for child in children}
+    match: Match = "part" if kept else "none"
+    if kept and matches <= {"full", "substitute"}:
+        match = "substitute" if "substitute" in matches else "full"
+    reason = f"{len(kept)} of {len(children)} branches can be shown"
+    return PruneDecision(
+        id=node.id,
+        path=(),
+        keep=bool(kept) or node.parent is None,
+        reason=reason if children else "nothing lies below it",
+        match=match,
+        **{name: _united(kept, name) for name in (*MEANS, "substitutes")},
+        catalogue=children[0].catalogue if children else "",
+    )
 
 
 @checked
@@ -146,8 +164,15 @@ def apply_decisions(tree: ScenarioTree, judged: Iterable[PruneDecision]) -> Scen
     """Return the tree after decisions on its leaves: one `keep`, `narrow` or `remove` per node, children first.
 
     A narrowed leaf stays attested only if its new label still names what the paper simulated.
+
+    Args:
+        tree: The diverse tree.
+        judged: Decisions on leaves, or on every node; those on inner nodes are ignored.
+
+    Raises:
+        UsageError: If there is no decision on some leaf.
     """
-    return tree.apply(*map(_edit, reversed(decisions_on_nodes(tree, judged))))
+    return tree.apply(*map(_edit, reversed(decisions_on_nodes(tree, judged).values())))
 
 
 def _edit(decision: PruneDecision) -> TreeEdit:

@@ -12,7 +12,7 @@ from oodscen.data._catalogue import Catalogue
 from oodscen.data._category import Category
 from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG, PRECIPITATIONS
 from oodscen.errors import UsageError
-from oodscen.stages._prune.decisions import Match, PruneDecision, alike, decisions_on_nodes
+from oodscen.stages._prune.decisions import Match, PruneDecision, decisions_on_nodes
 from oodscen.stages._prune.restoration import Restoration, restoration
 from oodscen.tree._scenario_tree import ScenarioTree
 
@@ -137,17 +137,11 @@ def compare(
         judged: The decisions about all leaves, by the same names.
 
     Raises:
-        UsageError: When catalogues and decisions have different names.
+        UsageError: When catalogues and decisions have different names, or there is no decision on some leaf.
     """
     if set(catalogues) != set(judged):
         raise UsageError("catalogues and decisions have different names")
-    decided = {
-        name: {
-            decision.id: decision
-            for decision in decisions_on_nodes(tree, alike(tree, judged[name]))
-        }
-        for name in catalogues
-    }
+    decided = {name: decisions_on_nodes(tree, judged[name]) for name in catalogues}
     leaves = [leaf.id for leaf in tree.leaves]
     paths = tree.paths
     lines = tuple(

@@ -50,13 +50,15 @@ class PartResult(NamedTuple):
 
 
 def _line(part: str, group: list[Finding]) -> str:
-    """Return findings that are alike in words, with the number and the names of their subjects."""
+    """Return findings whose words differ at most in numbers as one line, with the number and the names of their subjects."""
     subjects = list(dict.fromkeys(finding.subject for finding in group if finding.subject))
     message = group[0].message
     if not subjects:
         return f"{part}: {message}"
     if len(subjects) == 1:
         return f"{part}: {subjects[0]}: {message}"
+    if any(finding.message != message for finding in group):
+        message += " (the first)"
     nouns = {subject.partition(" ")[0] for subject in subjects}
     names = [subject.partition(" ")[2] for subject in subjects]
     if len(nouns) == 1 and nouns <= _NOUNS and all(names):

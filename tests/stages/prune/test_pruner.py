@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from oodscen import Pruner, ScenarioTree, make_llm
 from oodscen._paper import attestation
 from oodscen._registry import make_catalogue
-from oodscen.errors import LLMError
+from oodscen.errors import LLMError, UsageError
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._tree.judge_branch import BranchJudgement, JudgeBranch
 from oodscen.stages._prune.decisions import PruneDecision, all_decisions, apply_decisions
@@ -45,6 +45,41 @@ def test_parents_survive_exactly_when_a_child_does(parents, random):
     assert {leaf.id for leaf in result.leaves} == {name for name, value in keep.items() if value}
     assert [item.id for item in all_decisions(tree, judged)] == [n.id for n, _ in tree.walk()]
     assert ScenarioTree.parse(result.to_json()) == result
+
+
+def deciding(tree, leaf, means):
+    """Decide on a leaf as its means say: none drops it."""
+    match = "substitute" if "bus" in means else "full" if means else "none"
+    return PruneDecision(
+        id=leaf, path=tree.path(leaf), keep=bool(means), match=match, assets=tuple(means)
+    )
+
+
+@given(st.lists(st.integers(0, 50), min_size=1, max_size=20), st.data())
+def test_decisions_on_inner_nodes_follow_from_the_leaves_alone(parents, data):
+    tree = grown(parents)
+    means = st.lists(st.sampled_from(["deer", "bus"]), unique=True)
+    first = {leaf.id: deciding(tree, leaf.id, data.draw(means)) for leaf in tree.leaves}
+    second = {leaf: deciding(tree, leaf, data.draw(means)) for leaf in first}
+    expected = all_decisions(tree, second.values())
+    again = [*all_decisions(tree, first.values()), *second.values()]
+    assert all_decisions(tree, again) == expected
+    assert apply_decisions(tree, again) == apply_decisions(tree, second.values())
+    for decision in expected[1:]:
+        below = [leaf for leaf in expected if leaf.path[: len(decision.path)] == decision.path]
+        matches = {leaf.match for leaf in below if leaf.id in second}
+        if matches and "none" not in matches:
+            assert decision.match == max(matches)
+        else:
+            assert decision.match in ("part", "none")
+
+
+def test_a_leaf_without_a_decision_is_not_dropped_in_silence():
+    tree = grown([0, 1])
+    judged = [deciding(tree, "n0", ["deer"])]
+    for function in (all_decisions, apply_decisions):
+        with pytest.raises(UsageError, match="no decision on 1 of 2 leaves: n1"):
+            function(tree, judged)
 
 
 def test_a_model_that_fails_on_one_leaf_costs_only_that_leaf():

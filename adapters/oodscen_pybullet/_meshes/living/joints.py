@@ -60,9 +60,9 @@ def trunk_rotation(frame: KeyFrame) -> Array:
     )
 
 
-def _product(first: Array, second: Array) -> Array:
-    """Return the rotation that first applies the second one, then the first."""
-    return rotated(second.T, first).T
+def _product(left: Array, right: Array) -> Array:
+    """Return the product of two rotations, which applies the right one first."""
+    return rotated(right.T, left).T
 
 
 def _turned(rows: Array, way: Point) -> Point:
