@@ -15,7 +15,7 @@ from oodscen.testing._kit.probe import Probe
 from oodscen.testing._kit.vocabulary import assets_for, cast_for
 
 _SLOWER = 0.3
-"""Share of its default speed with which a behaviour runs as usual: even a walker then falls behind one who ignores it."""
+"""Share of its default speed with which a behaviour runs as usual: even a walker then shows it."""
 _SECONDS = 4.0
 """Length of the run in which a behaviour is compared with its usual parameters, s."""
 

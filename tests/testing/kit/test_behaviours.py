@@ -80,7 +80,9 @@ def setting(name: str, value: float) -> Callable[[Behaviour], Behaviour]:
 
 
 @KINDS
-def test_whoever_ignores_a_parameter_is_found(simulator: Altering, kind: BehaviourKind) -> None:
+def test_a_simulator_that_ignores_a_parameter_is_found(
+    simulator: Altering, kind: BehaviourKind
+) -> None:
     assert faults(simulator, kind, None) == []
     missed = []
     for name, parameter in kind.parameters.items():
@@ -96,7 +98,9 @@ def test_whoever_ignores_a_parameter_is_found(simulator: Altering, kind: Behavio
 
 
 @KINDS
-def test_whoever_ignores_a_trigger_is_found(simulator: Altering, kind: BehaviourKind) -> None:
+def test_a_simulator_that_ignores_a_trigger_is_found(
+    simulator: Altering, kind: BehaviourKind
+) -> None:
     for value in (0.0, 500.0):
         found = faults(
             simulator,
@@ -109,7 +113,9 @@ def test_whoever_ignores_a_trigger_is_found(simulator: Altering, kind: Behaviour
 
 
 @pytest.mark.parametrize("name", [kind.id for kind in BEHAVIOURS if kind.needs_other])
-def test_whoever_ignores_the_vehicle_it_belongs_to_is_found(simulator: Altering, name: str) -> None:
+def test_a_body_that_ignores_the_vehicle_it_belongs_to_is_found(
+    simulator: Altering, name: str
+) -> None:
     assert faults(simulator, FLAT_CATALOGUE.behaviour(name), lambda _: Behaviour())
 
 
