@@ -1,4 +1,4 @@
-"""Fifty simulators with one defect each: what the author of an adapter can get wrong.
+"""Simulators with one defect each: what the author of an adapter can get wrong.
 
 Every defect is a subclass of the flat simulator or of the tutorial's, which has dynamics of its own; both keep the
 protocol.
@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from oodscen.data import Catalogue
-from oodscen.data._scene import Scene, Trigger
+from oodscen.data._scene import Behaviour, Scene, Trigger
 from oodscen.protocols import Camera, Control, Frame, Observation, Simulator, State
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._new.adapter import Mover, MySimulator
@@ -118,6 +118,84 @@ class StartsAtTwenty(Defective):
 class ParametersIgnored(Defective):
     def altered_scene(self, scene):
         return _acting(scene, parameters={})
+
+
+class WalkersNeverStop(MySimulator):
+    """Moves who crosses the road like who walks along."""
+
+    def catalogue(self) -> Catalogue:
+        kept = super().catalogue()
+        kinds = (*kept.behaviours, FlatSimulator().catalogue().behaviour("cross_road"))
+        return kept.model_copy(update={"behaviours": kinds})
+
+    def begin(self, staged, seed):
+        super().begin(staged, seed)
+        for mover in self.movers:
+            if mover.body.behaviour == "cross_road":
+                mover.body = replace(mover.body, behaviour="walk_along")
+
+
+class Ignoring(Defective):
+    """Does not know some parameters, and uses their defaults."""
+
+    ignored: tuple[str, ...] = ()
+
+    def altered_scene(self, scene):
+        actors = []
+        for actor in scene.actors:
+            known = actor.behaviour.parameters.items()
+            kept = {name: value for name, value in known if name not in self.ignored}
+            behaviour = actor.behaviour.model_copy(update={"parameters": kept})
+            actors.append(actor.model_copy(update={"behaviour": behaviour}))
+        return scene.model_copy(update={"actors": tuple(actors)})
+
+
+class PausesIgnored(Ignoring):
+    ignored = ("pause",)
+
+
+class DurationsIgnored(Ignoring):
+    ignored = ("duration",)
+
+
+class HeadwaysIgnored(Ignoring):
+    ignored = ("headway",)
+
+
+class AmplitudesIgnored(Ignoring):
+    ignored = ("amplitude", "radius", "lift")
+
+
+class PeriodsIgnored(Ignoring):
+    ignored = ("period",)
+
+
+class TriggersMeasureToTheirActor(Defective):
+    def altered_scene(self, scene):
+        actors = tuple(
+            actor.model_copy(
+                update={
+                    "behaviour": actor.behaviour.model_copy(
+                        update={
+                            "trigger": actor.behaviour.trigger.model_copy(update={"actor": None})
+                        }
+                    )
+                }
+            )
+            for actor in scene.actors
+        )
+        return scene.model_copy(update={"actors": actors})
+
+
+class NobodyTows(Defective):
+    def altered_scene(self, scene):
+        actors = tuple(
+            actor.model_copy(update={"behaviour": Behaviour()})
+            if actor.behaviour.name == "towed"
+            else actor
+            for actor in scene.actors
+        )
+        return scene.model_copy(update={"actors": actors})
 
 
 class DriftsToTheWrongSide(Defective):
@@ -532,6 +610,8 @@ class PicturesTwoStepsLate(PicturesOneStepLate):
 DEFECTS: tuple[Callable[[], Simulator], ...] = tuple(
     one
     for one in list(globals().values())
-    if isinstance(one, type) and one.__module__ == __name__ and one not in (Defective, Drawn)
+    if isinstance(one, type)
+    and one.__module__ == __name__
+    and one not in (Defective, Drawn, Ignoring)
 )
 """All defects, in the order of this file."""

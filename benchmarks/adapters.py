@@ -2,7 +2,7 @@
 
 Usage: python benchmarks/adapters.py [--json] [NAME ...]
 
-Fifty defects (`_adapter_defects.py`), as authors of adapters make them; all must be found, and the flat and the
+The defects (`_adapter_defects.py`) are such as authors of adapters make; all must be found, and the flat and the
 tutorial's simulator without a defect must pass. The parts `process` and `leaks` are left out.
 """
 

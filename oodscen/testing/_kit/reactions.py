@@ -4,21 +4,20 @@ from collections.abc import Callable, Sequence
 
 from oodscen.data._scene import Scene, Trigger
 from oodscen.driving._motion.boxes import Footprint, gap
+from oodscen.driving._sight.placement import staging_issues
 from oodscen.errors import OodscenError
 from oodscen.protocols import Control
 from oodscen.testing._kit.findings import NotApplicable
 from oodscen.testing._kit.probe import Probe
 from oodscen.testing._kit.samples import constantly
-from oodscen.testing._kit.tracks import Tracks, run_both
+from oodscen.testing._kit.tracks import ONSET_S, Tracks, run_both
 
-ONSET_S = 0.35
-"""Tolerance of the time at which a trigger shows in an actor's motion, s."""
 _WAITING = "cross_road pull_out dart bolt walk_along roll_away reverse hard_brake stall halt cut_in".split()
 """Behaviours that show when their trigger fires, best first."""
 
 
 def check_triggers(probe: Probe) -> None:
-    """Compare when actors act on triggers by time, distance and time to collision.
+    """Compare when actors act on triggers by time, distance and time to collision, also to another actor.
 
     Raises:
         NotApplicable: If no behaviour waits for its trigger.
@@ -28,18 +27,23 @@ def check_triggers(probe: Probe) -> None:
     if name is None:
         raise NotApplicable("no behaviour waits for its trigger")
     parameters = {"lanes": 0.0} if "lanes" in kinds[name].parameters else {}
+    mark = min(probe.catalogue.assets, key=lambda asset: asset.width)
     for trigger in (
         Trigger(kind="time", value=1.5),
         Trigger(kind="distance", value=30.0),
         Trigger(kind="ttc", value=4.0),
+        Trigger(kind="distance", value=14.0, actor="mark"),
     ):
         actor = probe.doing(name, ahead=50.0, trigger=trigger, parameters=parameters)
-        scene = probe.scene(actor, road=probe.widest, speed=10.0)
+        marks = [probe.still(mark, id="mark", ahead=30.0, offset=3.4)] if trigger.actor else []
+        scene = probe.scene(actor, *marks, road=probe.widest, speed=10.0)
+        if marks and staging_issues(scene, probe.catalogue):
+            continue
         tracks, reference = run_both(probe, scene, constantly(Control()))
         onset_s, expected_s = tracks.onset(1), reference.onset(1)
         if expected_s is None:
             continue
-        subject = f"trigger by {trigger.kind}"
+        subject = f"trigger by {trigger.kind}" + (" to another actor" if marks else "")
         if onset_s is None:
             probe.findings.add(subject, f"never shows in {name!r}")
         elif not abs(onset_s - expected_s) <= ONSET_S:

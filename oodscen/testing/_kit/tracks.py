@@ -21,6 +21,8 @@ START_SPEED = 0.5
 """Tolerance of its speed there, m/s."""
 SECONDS = 5.0
 """Length of a run, s."""
+ONSET_S = 0.35
+"""Tolerance of the time at which a trigger shows in an actor's motion, s."""
 _STRAY_M = 0.15
 """Distance from its uniform motion at which a body has left it, m."""
 

@@ -57,9 +57,9 @@ class Mover:
     speed: float
     is_triggered: bool = False
 
-    def parameter(self, name: str) -> float:
-        """Return a parameter of its behaviour."""
-        return float((self.body.parameters or {})[name])
+    def parameter(self, name: str, otherwise: float = 0.0) -> float:
+        """Return a parameter of its behaviour, or another number if that has no such parameter."""
+        return float((self.body.parameters or {}).get(name, otherwise))
 
 
 class MySimulator(RestorableSimulator):
@@ -105,7 +105,8 @@ class MySimulator(RestorableSimulator):
         for mover in self.movers[1:]:
             match mover.body.behaviour:
                 case "follow_lane":
-                    self._follow(mover, self._attention(mover, before))
+                    hardest = -mover.parameter("deceleration")
+                    self._follow(mover, max(self._attention(mover, before), hardest))
                 case "hard_brake":
                     braking = -mover.parameter("deceleration")
                     wanted = self._attention(mover, before)
@@ -156,7 +157,8 @@ class MySimulator(RestorableSimulator):
             if ahead > 0.0 and aside < 2.0 and not other.body.asset.is_passable(other.body.state):
                 closing = mover.speed - other.speed * math.cos(other.yaw - mover.yaw)
                 room = ahead - 0.5 * (mover.body.asset.length + other.body.asset.length)
-                wanted = 2.0 + max(0.0, mover.speed * 1.2 + mover.speed * closing / 4.2)
+                headway = mover.parameter("headway", 1.2)
+                wanted = 2.0 + max(0.0, mover.speed * headway + mover.speed * closing / 4.2)
                 acceleration -= 1.8 * (wanted / max(room, 0.1)) ** 2
         return acceleration
 

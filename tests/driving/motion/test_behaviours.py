@@ -58,6 +58,7 @@ LISTS_BEHAVIOURS = {
     "adapters/oodscen_highway/_catalogue.py": "what highway-env is able to drive",
     "adapters/oodscen_sumo/_catalogue.py": "what SUMO is able to drive",
     "oodscen/data/_detail_checks.py": "lies below the rows",
+    "oodscen/testing/_kit/behaviours.py": "a run for every row",
     "oodscen/testing/_kit/following.py": "what a probe tries in turn",
     "oodscen/testing/_kit/measures.py": "what a probe tries in turn",
     "oodscen/testing/_kit/reactions.py": "what a probe tries in turn",
