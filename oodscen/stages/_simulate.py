@@ -349,7 +349,8 @@ def _blind(scene: Scene, simulator: Simulator, state: State) -> list[Control]:
 
 def _steps_shown(last: int, moments: Sequence[str] = MOMENTS) -> dict[str, int]:
     """Return the steps that the frames show, by moment."""
-    return {moment: int(last * share_of(moment)) for moment in moments}
+    # Without the small addend, 29 % of 100 steps would be step 28.
+    return {moment: int(last * share_of(moment) + 1e-9) for moment in moments}
 
 
 def visible_pixels(frame: Frame, ids: Sequence[str]) -> dict[str, int]:

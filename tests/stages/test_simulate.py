@@ -11,6 +11,7 @@ from oodscen.data._episode import ACTIONS, MOMENTS, Episode
 from oodscen.data._scene import Actor, Behaviour, Demand, Hazard, Placement, Scene, Trigger
 from oodscen.errors import SceneError, SimulatorError, UsageError
 from oodscen.protocols import Camera, Frame
+from oodscen.stages._simulate import _steps_shown
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 
@@ -374,3 +375,11 @@ def test_what_is_no_catalogue_is_told_as_such(made):
             simulate(example_scene(), Without(), render=render)
     (failed, *_) = drive([example_scene()], "rule-based", Without())
     assert said in failed.error
+
+
+def test_a_moment_is_its_percent_of_the_steps_in_whole_numbers():
+    moments = [f"at-{percent}" for percent in range(1, 100)]
+    for last in range(1, 400):
+        assert list(_steps_shown(last, moments).values()) == [
+            last * percent // 100 for percent in range(1, 100)
+        ]
