@@ -27,8 +27,8 @@ from lxml import etree
 
 from oodscen import Episode, Scene, Study, make_catalogue
 from oodscen.data import Catalogue
-from oodscen.data._episode import NOMINAL_REACTION_S
 from oodscen.data._pairing import scene_of
+from oodscen.data._reactions import NOMINAL_REACTION_S
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.boxes import Footprint, gap
 from oodscen.driving._motion.triggers import is_due

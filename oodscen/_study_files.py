@@ -47,6 +47,9 @@ AUDIT = "audit.json"
 FOLDERS = (PICTURES, "frames", "traces", "videos")
 TEXT_SETS = re.compile(r"texts\.diverse\.\d+\.jsonl")
 
+REAR = "episodes.rear.jsonl"
+"""File of the runs in which the views to the rear were taken."""
+
 _FILES = frozenset(
     {
         *(f"tree.{tree}.json" for tree in TREES),
@@ -68,7 +71,7 @@ _FILES = frozenset(
         "staged.jsonl",
         "restaged.jsonl",
         "episodes.paper.jsonl",
-        "episodes.rear.jsonl",
+        REAR,
         "opinions.jsonl",
         "drives.jsonl",
     }

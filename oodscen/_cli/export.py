@@ -111,7 +111,10 @@ def export(
     """
     source = scenes_of(place, simulator)
     options = ExportOptions(
-        **choices, simulator=source.simulator, seed=source.seed if seed is None else seed
+        **choices,
+        simulator=source.simulator,
+        seed=source.seed if seed is None else seed,
+        reaction_s=source.reaction_s,
     )
     if options.form != "openscenario":
         refuse_idle(f"with --to {options.form}", "mode", "target", "ego", "logical")
@@ -198,14 +201,22 @@ class _Writer:
                 seed=self.options.seed,
                 container=form,
                 simulator=simulator,
+                reaction_s=self.options.reaction_s,
             )
             replace(self.out / f"{scene.id}.{form}", trace)
 
     def _write_rerun(self, scene: Scene, simulator: Simulator) -> None:
         from oodscen.interchange._traces.rerun_files import write_rerun
 
-        path = self.out / f"{scene.id}.rrd"
-        write_rerun(scene, simulator, path, action=self.options.action, seed=self.options.seed)
+        options = self.options
+        write_rerun(
+            scene,
+            simulator,
+            self.out / f"{scene.id}.rrd",
+            action=options.action,
+            seed=options.seed,
+            reaction_s=options.reaction_s,
+        )
 
     def _write_openscenario(self, scene: Scene, simulator: Simulator) -> None:
         from oodscen.interchange._writing.logical import logical_file
@@ -220,6 +231,7 @@ class _Writer:
             seed=seed,
             properties=self.facts(scene),
             simulator=simulator,
+            reaction_s=options.reaction_s,
         )
         file.save(self.out)
         if not options.logical or scene.is_ordinary:

@@ -41,7 +41,9 @@ class ExportOptions:
     logical: bool
     seed: int
     simulator: str
-    """The simulator that draws, where pictures are written."""
+    """Name of the simulator in which scenes are run."""
+    reaction_s: float
+    """Time from the decision until the ego acts, s."""
 
 
 def refuse_clashes(scenes: Sequence[Scene], facts: KnownFacts, options: ExportOptions) -> None:

@@ -12,7 +12,7 @@ from oodscen._cli.numbers import SHARE, FiniteRange
 from oodscen._cli.paths import OutputName
 from oodscen._registry import DEFAULT_ENCODER, DEFAULT_LLM, DEFAULT_SIMULATOR, is_builtin
 from oodscen._seeding import MAX_SEED
-from oodscen.data._episode import LONGEST_REACTION_S, REACTIONS_S
+from oodscen.data._reactions import LONGEST_REACTION_S, REACTIONS_S
 from oodscen.errors import OodscenError, UsageError
 from oodscen.llm._remote.budget import check_price
 from oodscen.llm._remote.limits import LONGEST_S, TIMEOUT_S
@@ -272,6 +272,7 @@ def _rear_view_option(default: str) -> Callable[[Command], Command]:
 
 
 rear_view_option = _rear_view_option("--no-rear-view")
+study_rear_view_option = _rear_view_option("the study's, or --no-rear-view")
 judging_options = grouped_options(
     click.option(
         "--protocol",
@@ -285,7 +286,7 @@ judging_options = grouped_options(
         default=None,
         help="Show a model its own descriptions of the frames before every question.  [default: the study's, or --no-chain]",
     ),
-    _rear_view_option("the study's, or --no-rear-view"),
+    study_rear_view_option,
     click.option(
         "--without-pictures",
         is_flag=True,

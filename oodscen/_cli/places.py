@@ -12,6 +12,7 @@ from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
 from oodscen.data._episode import Episode
 from oodscen.data._pairing import scene_of
+from oodscen.data._reactions import NOMINAL_REACTION_S
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.errors import UsageError
@@ -30,6 +31,8 @@ class SceneSource(NamedTuple):
     """Name of the study's own simulator, or for a file that of the option."""
     seed: int
     """Seed of the study's runs; 0 for a file."""
+    reaction_s: float
+    """Time after which the ego acts in the drives that the study records, s."""
 
 
 class KnownFacts(NamedTuple):
@@ -88,6 +91,7 @@ class KnownFacts(NamedTuple):
 def scenes_of(place: Path, simulator: str) -> SceneSource:
     """Return the scenes of a study or a file; the simulator is that of a file."""
     from oodscen import make_simulator
+    from oodscen.stages._safe_actions import Trials
     from oodscen.study._study import Study
 
     if place.is_dir():
@@ -95,14 +99,17 @@ def scenes_of(place: Path, simulator: str) -> SceneSource:
         _refuse_other_simulator(study.config.simulator)
         own = study.config.simulator
         catalogue, facts = make_simulator(own).catalogue(), KnownFacts.from_study(study)
-        return SceneSource(study.scenes, catalogue, facts, own, study.config.seed)
+        reaction_s = Trials.of(study.config.reaction).middle
+        return SceneSource(study.scenes, catalogue, facts, own, study.config.seed, reaction_s)
     rows = read_lines(Scene, place)
     ids = {row.id for row in rows}
     demands = _by_scene(row for row in rows if row.demand and scene_of(row.id) in ids)
     apart = {demand.id for demand in demands.values()}
     scenes = [row for row in rows if row.id not in apart]
     catalogue = make_simulator(simulator).catalogue()
-    return SceneSource(scenes, catalogue, KnownFacts(demands=demands), simulator, seed=0)
+    return SceneSource(
+        scenes, catalogue, KnownFacts(demands=demands), simulator, 0, NOMINAL_REACTION_S
+    )
 
 
 def _refuse_other_simulator(own: str) -> None:

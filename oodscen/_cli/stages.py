@@ -34,7 +34,7 @@ from oodscen._members import close
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen._study_files import refuse_inside
 from oodscen.data._base import canonical_json
-from oodscen.data._episode import REACTIONS_S
+from oodscen.data._reactions import REACTIONS_S
 from oodscen.errors import LLMError, OodscenError, UsageError
 from oodscen.protocols import Camera
 

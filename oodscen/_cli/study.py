@@ -22,7 +22,6 @@ from oodscen._cli.options import (
     limits_from,
     llm_options,
     picture_options,
-    rear_view_option,
     red_options,
     refuse_idle,
     refuse_idle_in_open_loop,
@@ -31,6 +30,7 @@ from oodscen._cli.options import (
     rollout_options,
     seed_option,
     simulator_option,
+    study_rear_view_option,
     style_option,
 )
 from oodscen._cli.output import say, write
@@ -310,7 +310,7 @@ def report(out: Path, required: str | None) -> None:
     show_default=True,
     help="Maximum number of scenes; each comes with its ordinary drives.",
 )
-@rear_view_option
+@study_rear_view_option
 def quiz(out: Path, file: Path | None, scenes: int, rear_view: bool | None) -> None:
     """Write a page that puts the questions of the study in the folder OUT to a person.
 
@@ -325,7 +325,7 @@ def quiz(out: Path, file: Path | None, scenes: int, rear_view: bool | None) -> N
     if file is not None and not is_written_through(file):
         refuse_own(file, but=QUIZ)
     study, rears = Study.open(out), dict[str, str]()
-    if rear_view:
+    if study.config.rear_view if rear_view is None else rear_view:
         drives = [drive.episode for drive in draw_drives(study, scenes)]
         with bars() as progress:
             options = RunOptions(workers=os.cpu_count() or 1, progress=progress)

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.options import RunOptions
-from oodscen._pipeline.steps.scenes import REAR, simulate_behind
-from oodscen._study_files import PEOPLE
+from oodscen._pipeline.steps.scenes import simulate_behind
+from oodscen._study_files import PEOPLE, REAR
 from oodscen.data._episode import Episode
 from oodscen.errors import DataError, Issue, UsageError
 from oodscen.judging._people import PersonAnswers, QuizAnswers, as_name

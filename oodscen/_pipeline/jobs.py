@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from oodscen.data._claim import Claim
-from oodscen.data._episode import MOMENTS, REACTIONS_S, Episode
+from oodscen.data._episode import MOMENTS, Episode
+from oodscen.data._reactions import REACTIONS_S
 from oodscen.data._scene import Scene
 from oodscen.protocols import Camera
 from oodscen.stages._restage import Attempt

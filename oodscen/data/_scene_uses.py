@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from oodscen._study_files import refuse_own
 from oodscen.data._claim import Claim
+from oodscen.data._reactions import NOMINAL_REACTION_S
 from oodscen.errors import Issue, SceneError
 
 if TYPE_CHECKING:
@@ -118,6 +119,7 @@ class SceneUses:
         seed: int = 0,
         properties: Mapping[str, str] | None = None,
         simulator: "Simulator | None" = None,
+        reaction_s: float = NOMINAL_REACTION_S,
         claims: Sequence[Claim] = (),
     ) -> "ScenarioFile":
         """Return the scene as OpenSCENARIO XML 1.2 with its OpenDRIVE map.
@@ -142,6 +144,7 @@ class SceneUses:
                 `carla-scenario-runner` have no properties.
             simulator: The simulator whose run is replayed, by default the kinematic world of the catalogue; the other
                 modes always use that world, and note it where the simulator moves otherwise.
+            reaction_s: Time from the decision until the ego acts in a replay, s.
             claims: The claims of its text, which every end of a range in a logical scenario keeps true.
 
         Raises:
@@ -161,6 +164,7 @@ class SceneUses:
             seed=seed,
             properties=properties,
             simulator=simulator,
+            reaction_s=reaction_s,
             claims=claims,
         )
 
@@ -282,6 +286,7 @@ class SceneUses:
         seed: int = 0,
         container: "Container" = "osi",
         simulator: "Simulator | None" = None,
+        reaction_s: float = NOMINAL_REACTION_S,
     ) -> bytes:
         """Return the scene's run as a trace of OSI ground truth, one message for each step.
 
@@ -295,6 +300,7 @@ class SceneUses:
             container: `osi` is the plain sequence of messages; `mcap` is a file of MCAP, with the OpenDRIVE file of
                 the road in it.
             simulator: The simulator whose run is written, by default the kinematic world of the catalogue.
+            reaction_s: Time from the decision until the ego acts, s.
 
         Raises:
             SceneError: If the catalogue or the road refuses the scene.
@@ -311,6 +317,7 @@ class SceneUses:
             seed=seed,
             container=container,
             simulator=simulator,
+            reaction_s=reaction_s,
         )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from oodscen._display import Brief
 from oodscen.data._catalogue import Asset, Catalogue
-from oodscen.data._episode import NOMINAL_REACTION_S
+from oodscen.data._reactions import NOMINAL_REACTION_S
 from oodscen.data._scene import MAX_TRIGGER, Behaviour, Scene, Trigger
 from oodscen.driving import MirrorSimulator
 from oodscen.driving._checked_simulator import checked_simulator, moves_as_world
@@ -151,7 +151,13 @@ class Reactions(Brief):
     """The behaviour of each actor as the built-in one that it is or is like, with all its parameters."""
 
 
-def replayed(scene: Scene, simulator: Simulator, action: str, seed: int) -> RecordedRun:
+def replayed(
+    scene: Scene,
+    simulator: Simulator,
+    action: str,
+    seed: int,
+    reaction_s: float = NOMINAL_REACTION_S,
+) -> RecordedRun:
     """Record the approach and one action up to the horizon, a contact or the road's edge.
 
     Raises:
@@ -160,17 +166,19 @@ def replayed(scene: Scene, simulator: Simulator, action: str, seed: int) -> Reco
     """
     states, _, _ = approach(scene, simulator, seed)
     decision_s = states[-1].time
-    states += action_states(scene, simulator, states[-1], action)
+    states += action_states(scene, simulator, states[-1], action, reaction_s)
     return RecordedRun.of(states, load_corridor(scene.map, simulator.catalogue()), decision_s)
 
 
-def action_states(scene: Scene, simulator: Simulator, state: State, action: str) -> Iterator[State]:
+def action_states(
+    scene: Scene, simulator: Simulator, state: State, action: str, reaction_s: float
+) -> Iterator[State]:
     """Yield the states of an action after the current one, up to the horizon, a contact or the road's edge.
 
     Raises:
         UsageError: If the ego lacks the lane that the action needs.
     """
-    driver = action_driver(action, NOMINAL_REACTION_S)
+    driver = action_driver(action, reaction_s)
     if not is_available(action, simulator.observe()):
         raise UsageError(f"the ego has no lane for its action {action}")
     for _ in range(max(1, round(scene.horizon_s / simulator.dt))):

@@ -8,7 +8,7 @@ from oodscen.data._base import canonical_json
 from oodscen.publish._question_rows import PublishedDrive, QuestionRow, question_rows
 from oodscen.publish._vlmevalkit import LETTERS
 
-CAMERA = "CAM_FRONT"
+CAMERA, REAR_CAMERA = "CAM_FRONT", "CAM_BACK"
 PARTS = {"name-aspect": "perception", "choose-aspect": "perception", "choose-action": "planning"}
 """DriveLM's part of a scene's questions, by purpose."""
 _ALL_PARTS = ("perception", "prediction", "planning", "behavior")
@@ -31,15 +31,19 @@ def write_drivelm(folder: Path, drives: Sequence[PublishedDrive]) -> None:
 def _scene(drive: PublishedDrive, images: Path) -> dict[str, Any]:
     """Return a drive as a scene, after writing its pictures into a folder."""
     frames: dict[str, Any] = {}
-    last = len(drive.images) - 1
-    for number, image in enumerate(drive.images):
+    last, rear = len(drive.frames) - 1, drive.asked.rear
+    for number, image in enumerate(drive.frames):
         name = f"{drive.name}-{number}"
-        (images / f"{name}.jpg").write_bytes(image.read())
+        views = {CAMERA: (name, image)}
+        if number == last and rear is not None:
+            views[REAR_CAMERA] = (f"{drive.name}-{len(drive.frames)}", rear)
+        for file, view in views.values():
+            (images / f"{file}.jpg").write_bytes(view.read())
         rows = question_rows(drive) if number == last else ()
         frames[name] = {
             "key_object_infos": {},
             "QA": _questions(row for row in rows if row.best is not None),
-            "image_paths": {CAMERA: f"images/{name}.jpg"},
+            "image_paths": {camera: f"images/{file}.jpg" for camera, (file, _) in views.items()},
         }
     return {"scene_description": "", "pair": drive.pair, "kind": drive.kind, "key_frames": frames}
 

@@ -59,9 +59,15 @@ class PublishedDrive:
         return kind_of(self.asked.episode.scene_id)
 
     @property
-    def images(self) -> tuple[Image, ...]:
+    def frames(self) -> tuple[Image, ...]:
         """The frames in order of time."""
         return self.asked.shown.images
+
+    @property
+    def images(self) -> tuple[Image, ...]:
+        """The pictures as they are asked about: the frames, and the view to the rear if there is one."""
+        rear = self.asked.rear
+        return self.frames if rear is None else (*self.frames, rear)
 
     @cached_property
     def oracle(self) -> Answers:
@@ -100,8 +106,9 @@ class QuestionRow:
     @property
     def stem(self) -> str:
         """The facts and the question without the options and without how to answer."""
-        facts, question = paragraphs(self.prompt)[:2]
-        return f"{facts}\n\n{question.split(_METHOD)[0].strip()}"
+        count = 2 if self.prompt.rear is None else 3
+        *facts, question = paragraphs(self.prompt)[:count]
+        return "\n\n".join([*facts, question.split(_METHOD)[0].strip()])
 
 
 def question_rows(drive: PublishedDrive) -> Iterator[QuestionRow]:

@@ -16,6 +16,7 @@ from oodscen.errors import DataError, Issue
 from oodscen.judging._people import token
 from oodscen.judging._questions import (
     OPTIONS,
+    ShownDrive,
     acting_prompt,
     choosing_prompt,
     naming_prompt,
@@ -82,7 +83,7 @@ def _payload(study: Study, scenes: int, rears: Mapping[str, str]) -> str:
 
 
 def _item(study: Study, drive: AskedDrive, rears: Mapping[str, str]) -> dict[str, Any]:
-    episode, shown = drive.episode, drive.shown
+    episode, shown = drive.episode, ShownDrive.of(drive.episode, drive.frames)
     naming = paragraphs(naming_prompt(shown))
     choosing = paragraphs(choosing_prompt(shown, drive.options))
     acting = paragraphs(acting_prompt(shown))

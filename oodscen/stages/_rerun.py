@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from oodscen.data._episode import MOMENTS, REACTIONS_S, Episode
+from oodscen.data._episode import MOMENTS, Episode
+from oodscen.data._reactions import REACTIONS_S
 from oodscen.data._scene import Scene
 from oodscen.protocols import Camera, Simulator
 from oodscen.stages._simulate import Simulated, simulate

@@ -9,7 +9,8 @@ import numpy as np
 
 from oodscen._abilities import Rehearses, Snapshots
 from oodscen._numbers import said
-from oodscen.data._episode import LONGEST_REACTION_S, ActionOutcome
+from oodscen.data._episode import ActionOutcome
+from oodscen.data._reactions import LONGEST_REACTION_S
 from oodscen.data._scene import Scene, StopLine
 from oodscen.driving._motion.actions import action_driver, is_available
 from oodscen.driving._motion.rollouts import Variation

@@ -18,13 +18,13 @@ from oodscen.data._catalogue import Catalogue
 from oodscen.data._episode import (
     ACTIONS,
     MOMENTS,
-    REACTIONS_S,
     ActionOutcome,
     Episode,
     Follower,
     in_order,
     share_of,
 )
+from oodscen.data._reactions import REACTIONS_S
 from oodscen.data._scene import LONGEST_HORIZON_S, Scene
 from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._checked_simulator import checked_simulator, scene_copy

@@ -13,7 +13,8 @@ from oodscen._numbers import finite_number, seed_number
 from oodscen._progress import Progress, reporting
 from oodscen._registry import make_driver
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._episode import ACTIONS, NOMINAL_REACTION_S
+from oodscen.data._episode import ACTIONS
+from oodscen.data._reactions import NOMINAL_REACTION_S
 from oodscen.data._scene import Scene
 from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._checked_simulator import checked_simulator, scene_copy

@@ -10,6 +10,7 @@ from oodscen.data._messages import Image
 from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
+from oodscen.errors import DataError, Issue
 from oodscen.judging._questions import ShownDrive
 from oodscen.judging._references import AspectOption
 from oodscen.judging._scoring import AnswerKey
@@ -37,6 +38,10 @@ class AskedDrive:
     """The study's folder, which holds the pictures."""
     camera: Camera
     """The camera of the frames."""
+    shows_rear: bool
+    """The study's questions show the view from the rear window as well."""
+    behind: Episode | None
+    """The run in which that view was taken."""
 
     @cached_property
     def frames(self) -> Mapping[str, Image]:
@@ -48,10 +53,25 @@ class AskedDrive:
         episode = self.episode
         return frames_of(self.store, episode.frames, episode.file_sha256, self.camera)
 
+    @cached_property
+    def rear(self) -> Image | None:
+        """The view from the rear window at the decision; `None` if the study's questions do not show it.
+
+        Raises:
+            DataError: If they do, and it was not taken or is not the recorded one.
+        """
+        if not self.shows_rear:
+            return None
+        if self.behind is None or not self.behind.frames:
+            lacks = f"{self.episode.scene_id} has no view to the rear; the same `oodscen run OUT` takes it"
+            raise DataError("frames", [Issue("", lacks)], source=str(self.store.folder))
+        behind = self.behind
+        return frames_of(self.store, behind.frames, behind.file_sha256, self.camera)["last"]
+
     @property
     def shown(self) -> ShownDrive:
-        """The frames in order, and the facts that go with them."""
-        return ShownDrive.of(self.episode, self.frames)
+        """The frames in order, the facts that go with them, and the view to the rear if there is one."""
+        return ShownDrive.of(self.episode, self.frames, rear=self.rear)
 
     @property
     def options(self) -> tuple[AspectOption, ...]:
@@ -75,6 +95,7 @@ def asked_drives(study: "Study") -> list[AskedDrive]:
     keys = AnswerKeys(scenarios, judged.scenes, seed=config.seed)
     scenario_by_id = {scenario.id: scenario for scenario in scenarios}
     scene_by_id = {scene.id: scene for scene in judged.scenes}
+    behind = {episode.scene_id: episode for episode in study.behind}
     return [
         AskedDrive(
             episode,
@@ -83,6 +104,8 @@ def asked_drives(study: "Study") -> list[AskedDrive]:
             keys.of(episode, "ours"),
             study.store,
             config.camera,
+            config.rear_view,
+            behind.get(episode.scene_id),
         )
         for episode in judged.asked
         if is_shown(episode)

@@ -23,7 +23,7 @@ from oodscen._registry import (
 )
 from oodscen._seeding import MAX_SEED
 from oodscen.data._base import Data, no_truth_value
-from oodscen.data._episode import LONGEST_REACTION_S, REACTIONS_S
+from oodscen.data._reactions import LONGEST_REACTION_S, REACTIONS_S
 from oodscen.prompts._scenario.describe_path import Style
 from oodscen.protocols import Camera
 from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT

@@ -9,7 +9,7 @@ from urllib.parse import quote
 from oodscen._arguments import checked, instance_of
 from oodscen._display import Brief, escaped, html_table
 from oodscen._files import unreadable
-from oodscen._study_files import AUDIT, FOLDERS, TABLES, TEXT_SETS, TREES, is_own
+from oodscen._study_files import AUDIT, FOLDERS, REAR, TABLES, TEXT_SETS, TREES, is_own
 from oodscen.data._base import Data
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._episode import Episode
@@ -260,6 +260,11 @@ class Study(Brief, StudyUses):
     def whole(self) -> list[Episode]:
         """Every episode of the paper's protocol, including failed ones."""
         return self._rows(Episode, "episodes.paper.jsonl")
+
+    @property
+    def behind(self) -> list[Episode]:
+        """Every run in which the view from the rear window was taken, including failed ones."""
+        return self._rows(Episode, REAR)
 
     @property
     def verdicts(self) -> list[Verdict]:

@@ -413,3 +413,16 @@ def test_a_study_is_exported_with_the_seed_of_its_runs(study, tmp_path):
         for seed, folder in folders.items()
     }
     assert seeds == {None: {"5"}, 5: {"5"}, 0: {"0"}}
+
+
+def test_a_study_is_exported_with_the_reaction_time_of_its_drives(study, tmp_path):
+    record = json.loads((study / "study.json").read_text())
+    record["config"]["reaction"] = [0.3, 1.2, 1.5]
+    (study / "study.json").write_text(json.dumps(record))
+    words = ("--to", "osi", "--action", "stop", "--limit", 1, "--no-twins")
+    found = run("export", study, "-o", tmp_path / "files", *words)
+    assert found.exit_code == 0, found.output
+    scene, catalogue = Study.open(study).scenes[0], make_catalogue("flat")
+    written = (tmp_path / "files" / f"{scene.id}.osi").read_bytes()
+    assert written == scene.to_osi(catalogue, action="stop", reaction_s=1.2)
+    assert written != scene.to_osi(catalogue, action="stop")

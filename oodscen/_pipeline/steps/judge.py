@@ -80,8 +80,7 @@ def evaluate(
     if "paper" in run.config.protocols:
         shown["paper"] = simulate_whole(run, scenes)
     items = _items(run, answerers, shown)
-    needs_rear_views = run.config.rear_view and bool(run.config.vlms)
-    rear_views = simulate_behind(run, asked) if needs_rear_views else {}
+    rear_views = simulate_behind(run, asked) if run.config.rear_view else {}
     people = [
         answerer.model
         for answerer in answerers.values()

@@ -9,6 +9,7 @@ from oodscen._pipeline.context import Context, failed
 from oodscen._pipeline.jobs import Job, Outputs
 from oodscen._pipeline.steps.staged import SCENES, STAGED, Line, StagedScenes
 from oodscen._pipeline.sweep import sweep
+from oodscen._study_files import REAR
 from oodscen.data._base import digest
 from oodscen.data._claim import Claim
 from oodscen.data._episode import Episode, moments
@@ -28,8 +29,6 @@ RESTAGED = "restaged.jsonl"
 """File of the scenes in which all or none of the actions are safe: how each was re-staged, the scene that was
 run, and failed attempts.
 """
-REAR = "episodes.rear.jsonl"
-"""File of the runs in which the views to the rear were taken."""
 
 
 def augment(run: Context, scenarios: Sequence[Scenario]) -> list[Scene]:

@@ -8,7 +8,7 @@ from typing import ClassVar, NamedTuple
 from oodscen._arguments import checked
 from oodscen._display import Brief
 from oodscen._numbers import finite_number
-from oodscen.data._episode import LONGEST_REACTION_S
+from oodscen.data._reactions import LONGEST_REACTION_S
 from oodscen.driving._motion.bodies import GRAVITY, MAX_STEERING
 from oodscen.driving._motion.lane_keeping import PEAK
 from oodscen.driving._motion.triggers import ROUNDING_S

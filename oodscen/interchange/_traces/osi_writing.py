@@ -7,6 +7,7 @@ from typing import Literal
 
 from oodscen._arguments import checked
 from oodscen.data._catalogue import Asset, Catalogue
+from oodscen.data._reactions import NOMINAL_REACTION_S
 from oodscen.data._scene import Scene
 from oodscen.errors import UnknownComponent
 from oodscen.interchange._recording import RecordedRun, moving, replayed
@@ -53,11 +54,12 @@ def osi_trace(
     seed: int = 0,
     container: Container = "osi",
     simulator: Simulator | None = None,
+    reaction_s: float = NOMINAL_REACTION_S,
 ) -> bytes:
     """Return a scene's run as a trace of OSI ground truth; `Scene.to_osi` tells arguments and errors."""
     if container not in CONTAINERS:
         raise UnknownComponent("container", container, CONTAINERS)
-    run = replayed(scene, moving(simulator, catalogue), action, seed)
+    run = replayed(scene, moving(simulator, catalogue), action, seed, reaction_s)
     messages = _messages(run, entities(scene, catalogue))
     if container == "mcap":
         return mcap_trace(messages, road_file(scene, catalogue))

@@ -10,6 +10,7 @@ import numpy as np
 
 from oodscen._files import replace
 from oodscen.data._episode import ACTIONS
+from oodscen.data._reactions import NOMINAL_REACTION_S
 from oodscen.data._scene import Scene
 from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._motion.actions import is_available
@@ -47,6 +48,7 @@ def write_rerun(
     action: str = "keep_speed",
     seed: int = 0,
     every_s: float = PICTURE_S,
+    reaction_s: float = NOMINAL_REACTION_S,
 ) -> None:
     """Write a scene's run as a Rerun recording (`.rrd`).
 
@@ -61,6 +63,7 @@ def write_rerun(
         action: The ego's action after the decision, in the world and in the pictures.
         seed: Seed of the scene's random streams.
         every_s: Time between two pictures, s.
+        reaction_s: Time from the decision until the ego acts, s.
 
     Raises:
         MissingExtra: If Rerun is not installed.
@@ -76,7 +79,7 @@ def write_rerun(
     approach(scene, world, seed)
     available = [name for name in ACTIONS if is_available(name, world.observe())]
     names = dict.fromkeys((action, *available))
-    runs = {name: replayed(scene, world, name, seed) for name in names}
+    runs = {name: replayed(scene, world, name, seed, reaction_s) for name in names}
     bodies = entities(scene, catalogue)
     with TemporaryDirectory() as folder:
         part = Path(folder) / "run.rrd"
@@ -87,25 +90,25 @@ def write_rerun(
             log.bodies(scene, bodies, runs[action])
             for name, run in runs.items():
                 log.action(name, run)
-            _film(log, scene, simulator, action, seed, every_s)
+            _film(log, simulator, every_s, _states(scene, simulator, action, seed, reaction_s))
             stream.flush()
         stream.disconnect()
         replace(Path(path), part.read_bytes())
 
 
-def _film(
-    log: "_Log", scene: Scene, simulator: Simulator, action: str, seed: int, every_s: float
-) -> None:
+def _film(log: "_Log", simulator: Simulator, every_s: float, states: Iterator[State]) -> None:
     """Write what the ego's camera sees at regular times."""
     camera = camera_for(simulator.catalogue())
     log.camera(camera)
     steps = max(1, round(every_s / simulator.dt))
-    for number, state in enumerate(_states(scene, simulator, action, seed)):
+    for number, state in enumerate(states):
         if number % steps == 0:
             log.picture(state, simulator, camera)
 
 
-def _states(scene: Scene, simulator: Simulator, action: str, seed: int) -> Iterator[State]:
+def _states(
+    scene: Scene, simulator: Simulator, action: str, seed: int, reaction_s: float
+) -> Iterator[State]:
     """Yield the states of the approach and one action; the simulator is in the yielded state."""
     _, controls, _ = approach(scene, simulator, seed)
     state = simulator.reset(scene, seed)
@@ -113,7 +116,7 @@ def _states(scene: Scene, simulator: Simulator, action: str, seed: int) -> Itera
     for control in controls:
         state = simulator.step(control)
         yield state
-    yield from action_states(scene, simulator, state, action)
+    yield from action_states(scene, simulator, state, action, reaction_s)
 
 
 def rerun_library() -> Any:

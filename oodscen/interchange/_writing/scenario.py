@@ -8,6 +8,7 @@ from lxml import etree
 from oodscen._arguments import checked
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
+from oodscen.data._reactions import NOMINAL_REACTION_S
 from oodscen.data._scene import Scene
 from oodscen.driving._checked_simulator import moves_as_world
 from oodscen.driving._roads.building import load_corridor
@@ -52,6 +53,7 @@ def to_openscenario(
     seed: int = 0,
     properties: Mapping[str, str] | None = None,
     simulator: Simulator | None = None,
+    reaction_s: float = NOMINAL_REACTION_S,
     claims: Sequence[Claim] = (),
 ) -> ScenarioFile:
     """Return a scene as OpenSCENARIO XML; `Scene.to_openscenario` tells arguments and errors."""
@@ -71,7 +73,7 @@ def to_openscenario(
     for body in bodies:
         _add_properties(write_entity(holder, body), body.state, target)
     if mode == "replay":
-        run = replayed(scene, moving(simulator, catalogue), action, seed)
+        run = replayed(scene, moving(simulator, catalogue), action, seed, reaction_s)
         write_replay(root, scene, bodies, run, corridor)
         decision_s = run.decision_s or 0.0
         notes.append(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from oodscen.data._episode import REACTIONS_S
+from oodscen.data._reactions import REACTIONS_S
 from oodscen.data._scene import BEFORE_LIGHT_M, Actor
 from oodscen.prompts._landmarks import landmarks
 from oodscen.stages._demands.setting import (

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from oodscen_pybullet._catalogue import load_catalogue
 
-from oodscen.data._episode import REACTIONS_S
+from oodscen.data._reactions import REACTIONS_S
 from oodscen.data._scene import Scene
 from oodscen.driving._roads.building import load_corridor
 from oodscen.stages._demands.crossings import _FIRM, _HEAD_START_S, _IN_THE_WAY_M, red_light, zebra
