@@ -117,4 +117,5 @@ def check_choices(chosen: Sequence[bool], count: int) -> None:
 def _share(log10_km: np.ndarray, weights: np.ndarray) -> float:
     """Return the share of meetings with the kinds of weight 1, the others having 0."""
     rates = 10.0 ** (log10_km.min() - log10_km)
-    return min(float(rates @ weights / rates.sum()), 1.0)
+    chosen, others = float(rates @ weights), float(rates @ (1.0 - weights))
+    return chosen / (chosen + others)

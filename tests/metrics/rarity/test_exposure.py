@@ -31,6 +31,12 @@ def test_the_shares_of_a_choice_and_of_the_rest_add_up(kinds):
     assert 0.0 <= own.low <= own.share <= own.high <= 1.0
 
 
+@given(st.lists(st.floats(0.0, 9.0), min_size=1, max_size=40))
+def test_all_kinds_are_all_meetings(rarities):
+    found = exposure([told(value) for value in rarities], [True] * len(rarities))
+    assert (found.low, found.share, found.high) == (1.0, 1.0, 1.0)
+
+
 def test_one_common_kind_outweighs_a_hundred_rare_ones():
     found = exposure([told(2.0)] + [told(6.0)] * 100, [True] + [False] * 100)
     assert found.share == pytest.approx(1.0 / 1.01)
