@@ -245,7 +245,7 @@ def _key_faults(motion: Motion, poses: Sequence[KeyPose]) -> Iterator[Issue]:
             yield Issue(_at(motion, 0, name), "the first key is where the actor is placed: 0")
     for index, (pose, following) in enumerate(pairwise(poses), start=1):
         if following.at < pose.at + LEAST_SPAN:
-            message = f"must be at least {LEAST_SPAN:g} {unit} after the last key"
+            message = f"must be at least {LEAST_SPAN:g} {unit} after the key before it"
             yield Issue(_at(motion, index, "at"), message)
     if last.at > limit:
         yield Issue(_at(motion, len(poses) - 1, "at"), f"at most {limit:g} {unit}")
