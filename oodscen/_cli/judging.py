@@ -47,7 +47,9 @@ _COUNT = click.IntRange(1, MOST)
     show_default=True,
     help="Intraclass correlation of the scenes of one path, 0 to 1.",
 )
-@click.option("--scenes", type=_COUNT, help="Print the power of this many scenes instead.")
+@click.option(
+    "--scenes", type=click.IntRange(min=1), help="Print the power of this many scenes instead."
+)
 @json_option
 def power(
     first: float,

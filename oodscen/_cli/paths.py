@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterator
-from itertools import combinations
+from itertools import accumulate, combinations
 from pathlib import Path
 from typing import Any
 
@@ -84,7 +84,7 @@ class FileCommand(click.Command):
                 continue
             for text in map(str, value if isinstance(value, tuple) else (value,)):
                 after_kind = text.partition(":")[2]
-                for path in (text, after_kind, after_kind.rpartition("#")[0]):
+                for path in (text, *accumulate(after_kind.split("#"), "{}#{}".format)):
                     if os.path.isfile(path):
                         yield param.opts[-1], Path(path)
 

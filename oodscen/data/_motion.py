@@ -124,7 +124,8 @@ class Motion(LeanData):
         if not issues or _is_measurable(self):
             issues += motion_faults(self)
         if issues:
-            raise IssuesError(issues)
+            # A course is the path of all its stretches, of which several may have one fault.
+            raise IssuesError(tuple(dict.fromkeys(issues)))
         return self
 
     @property
@@ -161,9 +162,8 @@ class Motion(LeanData):
         last = self.poses()[-1]
         way = " along the road" if self.frame == "lane" else ""
         unit = "s" if self.by == "time" else "m of the ego's way"
-        extent = (
-            f"{last.ahead:.3g} m ahead and {last.left:.3g} m to the left in {last.at:.3g} {unit}"
-        )
+        ahead, left = last.ahead + 0.0, last.left + 0.0  # A zero loses its minus sign.
+        extent = f"{ahead:.3g} m ahead and {left:.3g} m to the left in {last.at:.3g} {unit}"
         return BehaviourKind(
             id=self.id,
             description=f"{self._before()}; from the trigger on{way}: {self.description} ({extent})",
@@ -178,10 +178,9 @@ class Motion(LeanData):
             return "goes along with another actor"
         if self.begins == "rest":
             return "stands"
-        first, second, *_ = self.poses()
-        speed = math.dist((second.ahead, second.left), (first.ahead, first.left)) / second.at
-        unit = "m/s" if self.by == "time" else "m per metre of the ego's way"
-        return f"moves straight ahead at {speed:.2g} {unit}"
+        _, second, *_ = self.poses()
+        speed = math.hypot(second.ahead, second.left) / second.at
+        return f"moves straight ahead at {speed:.2g} m/s" if speed else "stands"
 
 
 def motion_faults(motion: Motion, ego_speed: float = EGO_MPS) -> list[Issue]:
@@ -246,7 +245,7 @@ def _key_faults(motion: Motion, poses: Sequence[KeyPose]) -> Iterator[Issue]:
             yield Issue(_at(motion, 0, name), "the first key is where the actor is placed: 0")
     for index, (pose, following) in enumerate(pairwise(poses), start=1):
         if following.at < pose.at + LEAST_SPAN:
-            message = f"must be at least {LEAST_SPAN:g} {unit} after the last key"
+            message = f"must be at least {LEAST_SPAN:g} {unit} after the key before it"
             yield Issue(_at(motion, index, "at"), message)
     if last.at > limit:
         yield Issue(_at(motion, len(poses) - 1, "at"), f"at most {limit:g} {unit}")

@@ -107,7 +107,7 @@ class PoseTrack(NamedTuple):
         greatest = (0.0, 0)
         for k in range(4 * _SAMPLES + 1):
             pace = k / (4 * _SAMPLES)
-            at = 0.5 * ease * pace * pace % self.at[-1]
+            at = self.at[0] + 0.5 * ease * pace * pace % (self.at[-1] - self.at[0])
             index = max(i for i in range(len(self.spans)) if self.at[i] <= at)
             rates, bends = self._rates(index, (at - self.at[index]) / self.spans[index])
             parts = [bends[axis] * pace * pace + rates[axis] / ease for axis in (AHEAD, LEFT)]

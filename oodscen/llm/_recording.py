@@ -185,9 +185,11 @@ class Recording(Brief):
     def _refuse_several(self, spans: Iterable[_LineSpan]) -> None:
         names = sorted({span.model for span in spans})
         if len(names) > 1:
+            told = ", ".join(name or "one without a name" for name in names)
+            example = names[0] or names[1]
             raise UsageError(
-                f"{self.path} has answers of several models to the same question ({', '.join(names)}); "
-                f"choose one, e.g. replay:{self.path}#{names[0]}"
+                f"{self.path} has answers of several models to the same question ({told}); "
+                f"choose one, e.g. replay:{self.path}#{example}"
             )
 
     @property

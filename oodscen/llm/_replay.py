@@ -1,12 +1,14 @@
 """Models that record their answers, and models that answer from a recording."""
 
+import os
 import time
 from dataclasses import replace
+from itertools import accumulate
 from pathlib import Path
 
 from oodscen._display import Brief
 from oodscen._files import refuse_special
-from oodscen.errors import DataError, Issue, ReplayMiss
+from oodscen.errors import DataError, Issue, ReplayMiss, UnknownComponent
 from oodscen.llm._check import complete
 from oodscen.llm._recording import Exchange, Recorder, Recording
 from oodscen.llm._wrapper import WrappingLLM
@@ -65,6 +67,7 @@ class ReplayLLM(Brief):
 
     Raises:
         DataError: When the file does not exist or is not a recording.
+        UnknownComponent: When it has no answers of the model.
     """
 
     _repr_fields = ("name",)
@@ -80,6 +83,8 @@ class ReplayLLM(Brief):
             raise DataError(
                 "recording", [Issue("line 1", "it is no exchange, nor is another")], source=path
             )
+        if self._model and self._model not in self._recording.models:
+            raise UnknownComponent("recorded model", self._model, self._recording.models - {""})
 
     @property
     def speaks_for(self) -> str:
@@ -113,8 +118,8 @@ class ReplayLLM(Brief):
 
 
 def _file_and_model(source: str) -> tuple[str, str | None]:
-    """Return the file and the model that `FILE#MODEL` names; the name of a file may hold a `#` itself."""
-    path, mark, model = source.rpartition("#")
-    if not mark or Path(source).is_file():
-        return source, None
-    return path, model or None
+    """Return the file and the model that `FILE#MODEL` names; the name of either may hold a `#` itself."""
+    beginnings = accumulate(source.split("#"), "{}#{}".format)
+    otherwise = source.rpartition("#")[0] or source
+    path = max(filter(os.path.isfile, beginnings), key=len, default=otherwise)
+    return path, source[len(path) + 1 :] or None

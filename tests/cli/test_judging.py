@@ -86,6 +86,8 @@ def test_power_says_how_many_scenes_it_takes() -> None:
 def test_power_of_a_given_number() -> None:
     found = CliRunner().invoke(main, ["power", "0.66", "0.51", "--scenes", "130", "--icc", "0"])
     assert found.output == "130 scenes detect that difference with a power of 68%\n"
+    close = ["power", "0.66", "0.6601", "--scenes", "3000000"]
+    assert CliRunner().invoke(main, close).exit_code == 0
 
 
 @pytest.mark.parametrize("rates", [["0.5", "0.5"], ["0", "0.5"], ["0.5", "1.5"]])

@@ -169,6 +169,7 @@ def named(tmp_path):
         "tree export ONE -o OTHER",
         "grow --llm replay:ONE -o OTHER",
         "grow --llm replay:ONE#m -o OTHER",
+        "grow --llm replay:ONE#org/m#2 -o OTHER",
         "prune TREE --catalogue ONE -o OTHER",
     ],
 )

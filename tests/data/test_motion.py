@@ -68,6 +68,7 @@ _FAULTS: list[tuple[dict[str, Any], str]] = [
     ({"keys": PAIR, "then": "repeat"}, "keys[1].ahead"),
     ({"keys": [{"at": 0}], "then": "go_on"}, "then"),
     ({"keys": [{"at": 0}], "then": "repeat"}, "then"),
+    ({"keys": [{"at": 1}, {"at": 9, "ahead": 2}, {"at": 19}], "then": "repeat"}, "keys[0].at"),
     ({"keys": [{"at": 0}], "begins": "moving"}, "begins"),
     ({"keys": [{"at": 0}, {"at": 2}]}, "keys"),
     ({"keys": PAIR, "let_go": 2, "frame": "ego", "facing": "along"}, "facing"),
@@ -102,6 +103,48 @@ def test_whole_turns_are_no_difference_where_a_motion_repeats() -> None:
     for yaw in (-720, 360):
         keys = [{"at": 0}, {"at": 20, "ahead": 4}, {"at": 40, "yaw": yaw}]
         assert Motion.parse({**BASE, "keys": keys, "then": "repeat"})
+
+
+@settings(max_examples=60)
+@given(
+    st.lists(
+        st.fixed_dictionaries({"at": st.floats(0, 70), "left": st.integers(-3, 3)}), max_size=5
+    ),
+    st.sampled_from(["stay", "repeat", "go_on"]),
+    st.sampled_from(["rest", "moving"]),
+)
+def test_any_keys_are_sound_or_refused_with_paths(
+    keys: list[dict[str, float]], ending: str, beginning: str
+) -> None:
+    keys.sort(key=lambda key: key["at"])
+    try:
+        Motion.parse({**BASE, "keys": keys, "then": ending, "begins": beginning})
+    except DataError as error:
+        paths = [issue.path for issue in error.issues]
+        assert all(paths)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"roll": {"distance": 10, "radius": 0.5}, "body": "loose", "then": "repeat"},
+        {"walk": {"distance": 10, "speed": 20, "back": True}},
+    ],
+)
+def test_a_course_is_told_each_fault_once(change: dict[str, Any]) -> None:
+    with pytest.raises(DataError) as refused:
+        Motion.parse({**BASE, "keys": (), **change})
+    assert len(refused.value.issues) == 1
+
+
+def test_a_motion_is_told_in_words() -> None:
+    circle = {"radius": 3, "clockwise": True}
+    round_right = Motion.parse({**BASE, "body": "loose", "keys": (), "circle": circle})
+    assert "(0 m ahead and 0 m to the left in 9.42 s)" in round_right.kind().description
+    coming = {"begins": "moving", "keys": [{"at": 0}, {"at": 2, "ahead": 3}]}
+    pausing = {"begins": "moving", "keys": [{"at": 0}, {"at": 1}, {"at": 4, "ahead": 3}]}
+    for change, words in ((coming, "moves straight ahead at 1.5 m/s; "), (pausing, "stands; ")):
+        assert Motion.parse({**BASE, **change}).kind().description.startswith(words)
 
 
 def test_five_hundred_bad_motions_are_refused_with_paths() -> None:

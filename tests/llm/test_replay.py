@@ -11,7 +11,15 @@ from oodscen import make_llm
 from oodscen._concurrency import as_finished
 from oodscen._lock import locked
 from oodscen.data._messages import Image
-from oodscen.errors import DataError, InUse, LLMError, ReplayMiss, StudyError, UsageError
+from oodscen.errors import (
+    DataError,
+    InUse,
+    LLMError,
+    ReplayMiss,
+    StudyError,
+    UnknownComponent,
+    UsageError,
+)
 from oodscen.llm._ask import ask, speaker
 from oodscen.llm._recording import Exchange, Recorder, Recording
 from oodscen.llm._replay import RecordingLLM, ReplayLLM
@@ -104,7 +112,16 @@ def test_words_of_an_unnamed_model_are_told_as_the_recordings(tmp_path):
     file = tmp_path / "own.jsonl"
     file.write_text(json.dumps({"purpose": "p", "messages": [], "answer": "a"}))
     assert speaker(ReplayLLM(file)) == "replay:own.jsonl"
-    assert speaker(ReplayLLM(f"{file}#m")) == "m"
+
+
+def test_a_model_that_never_answered_is_refused_with_those_that_did(tmp_path):
+    file = tmp_path / "own.jsonl"
+    line = {"purpose": "p", "messages": [], "answer": "a"}
+    file.write_text(f"{json.dumps(line)}\n{json.dumps({**line, 'model': 'gpt-4o'})}\n")
+    assert speaker(ReplayLLM(f"{file}#gpt-4o")) == "gpt-4o"
+    with pytest.raises(UnknownComponent, match="did you mean gpt-4o") as refused:
+        ReplayLLM(f"{file}#gpt4o")
+    assert refused.value.known == ("gpt-4o",)
 
 
 def test_a_failure_is_not_recorded(file):
@@ -297,6 +314,23 @@ def test_several_models_in_one_recording_must_be_told_apart(file):
     with pytest.raises(UsageError, match="#a"):
         ReplayLLM(file).complete(request())
     assert make_llm(f"replay:{file}#b").complete(request()).text == "I am b"
+
+
+def test_the_example_chooses_a_model_with_a_name(tmp_path):
+    file = tmp_path / "a.jsonl"
+    asked = request()
+    exchanges = [Exchange.of(asked, by_sample(asked), name, 0.5) for name in ("", "gpt")]
+    file.write_text("".join(f"{exchange.to_json()}\n" for exchange in exchanges))
+    with pytest.raises(UsageError, match=r"\(one without a name, gpt\); choose one, e.g. .*#gpt$"):
+        ReplayLLM(file).complete(request())
+
+
+@given(st.sampled_from(["a.jsonl", "a#1.jsonl", "a#m"]), st.sampled_from(["m", "org/m#2", "#"]))
+def test_names_of_files_and_models_may_hold_the_mark(tmp_path_factory, name, model):
+    file = tmp_path_factory.mktemp("marked") / name
+    RecordingLLM(ScriptedLLM(by_sample, name=model), file).complete(request())
+    for source in (file, f"{file}#{model}"):
+        assert speaker(ReplayLLM(source)) == model
 
 
 def test_no_key_is_recorded(file, monkeypatch):

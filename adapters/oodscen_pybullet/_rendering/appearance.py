@@ -178,14 +178,14 @@ def phase_of(state: str, trigger: Trigger, fired: float, time: float) -> str:
         fired: Time at which it fired, s; negative before.
         time: Time since the start, s.
     """
-    before = _BEFORE.get(state, state)
+    amber_s = _AMBER_S if state == "red" else 0.0
     if trigger.kind == "time":
         since = time - trigger.value
     else:
-        since = time - fired - _AMBER_S if fired >= 0.0 else -math.inf
-    if since >= -_ROUNDING or before == state:
+        since = time - fired - amber_s if fired >= 0.0 else -math.inf
+    if since >= -_ROUNDING:
         return state
-    return "amber" if state == "red" and since >= -_AMBER_S - _ROUNDING else before
+    return "amber" if since >= -amber_s - _ROUNDING else _BEFORE.get(state, state)
 
 
 def seen_coming(pose: Pose, ego: Pose, speed: float) -> Direction | None:

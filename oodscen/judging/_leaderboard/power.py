@@ -8,12 +8,15 @@ from oodscen._arguments import checked
 from oodscen._numbers import finite_number, whole_number
 from oodscen.data._base import Data
 from oodscen.errors import UsageError
+from oodscen.judging._rates_in_words import number_of
 
 _NORMAL = NormalDist()
 _LEAST = 1e-9
 """The smallest usable distance of a rate or level from 0 or 1, and of two rates from each other."""
 _MOST_DIGITS = 9
 """Digits of a percentage that tell any two usable rates apart."""
+_MOST_SCENES = 10**30
+"""More than any two usable rates need."""
 _ROUNDING = 1e-9
 """Excess over a whole number of scenes that counts as an error of rounding."""
 
@@ -63,11 +66,11 @@ class SampleSize(Data):
         several = f" over {self.comparisons} comparisons" if self.comparisons > 1 else ""
         lines = [
             f"To tell {first} from {second}, {pairing}, with power {power} at alpha {self.alpha:g}{several}:",
-            f"  {self.independent} scenes if all were independent",
+            f"  {number_of(self.independent, 'scene')} if all were independent",
         ]
         if self.per_path > 1:
             lines.append(
-                f"  {self.scenes} scenes = {self.paths} paths of {self.per_path} "
+                f"  {self.scenes} scenes = {number_of(self.paths, 'path')} of {self.per_path} "
                 f"(design effect {self.design_effect:.2f} at an intraclass correlation of {self.icc:g})"
             )
         return "\n".join(lines)
@@ -128,8 +131,10 @@ def scenes_needed(
     finite_number("power", power, _LEAST, 1 - _LEAST)
     under_null, under_truth = design.deviations
     z_power = _NORMAL.inv_cdf(power)
-    exact = ((design.z_alpha * under_null + z_power * under_truth) / abs(first - second)) ** 2
-    paths = math.ceil(exact * design.effect / per_path - _ROUNDING)
+    # One scene has more power than so little that the sum is negative.
+    reach = max(design.z_alpha * under_null + z_power * under_truth, 0.0)
+    exact = (reach / abs(first - second)) ** 2
+    paths = max(math.ceil(exact * design.effect / per_path - _ROUNDING), 1)
     return SampleSize(
         first=first,
         second=second,
@@ -139,7 +144,7 @@ def scenes_needed(
         alpha=alpha,
         power=power,
         comparisons=comparisons,
-        independent=math.ceil(exact - _ROUNDING),
+        independent=max(math.ceil(exact - _ROUNDING), 1),
         per_path=per_path,
         icc=icc,
         design_effect=design.effect,
@@ -239,7 +244,7 @@ class _Design:
 
     def power(self, scenes: int) -> float:
         """Return the probability that a number of scenes shows the difference."""
-        scenes = whole_number("scenes", scenes, 1)
+        scenes = whole_number("scenes", scenes, 1, _MOST_SCENES)
         under_null, under_truth = self.deviations
         root = math.sqrt(scenes / self.effect)
         reach = abs(self.first - self.second) * root - self.z_alpha * under_null

@@ -43,10 +43,11 @@ class Exposure(Data):
 
 
 def _percent(share: float) -> str:
-    """Return a share in whole per cent; a small one, as rare kinds have, is not called none."""
-    if 0.0 < share < 0.0005:
-        return "<0.1%"
-    return f"{share:.1%}" if 0.0 < share < 0.01 else f"{share:.0%}"
+    """Return a share in whole per cent; a small one, as rare kinds have, is not called none, nor the rest all."""
+    nearest = min(share, 1.0 - share)
+    if 0.0 < nearest < 0.001:
+        return "<0.1%" if share < 0.5 else ">99.9%"
+    return f"{share:.1%}" if 0.0 < nearest < 0.01 else f"{share:.0%}"
 
 
 class TreeRarity(Data):
@@ -116,4 +117,5 @@ def check_choices(chosen: Sequence[bool], count: int) -> None:
 def _share(log10_km: np.ndarray, weights: np.ndarray) -> float:
     """Return the share of meetings with the kinds of weight 1, the others having 0."""
     rates = 10.0 ** (log10_km.min() - log10_km)
-    return min(float(rates @ weights / rates.sum()), 1.0)
+    chosen, others = float(rates @ weights), float(rates @ (1.0 - weights))
+    return chosen / (chosen + others)

@@ -41,6 +41,28 @@ def test_that_many_scenes_have_that_power_and_fewer_less(
     assert scenes_needed(*rates, **{**how, "icc": 0.0}).scenes <= found.scenes
 
 
+@given(RATES, st.floats(1e-6, 0.9), st.floats(1e-6, 0.9), st.booleans(), st.integers(1, 9))
+def test_no_power_needs_more_scenes_than_a_greater_one(
+    rates: tuple[float, float], power: float, alpha: float, paired: bool, per_path: int
+) -> None:
+    how: dict[str, Any] = {"alpha": alpha, "paired": paired, "per_path": per_path}
+    found = scenes_needed(*rates, power=power, **how)
+    assert found.power_of(found.scenes) >= power - 1e-5
+    assert found.paths == 1 or found.power_of(found.scenes - per_path) < power + 1e-5
+    assert found.scenes <= scenes_needed(*rates, power=0.95, **how).scenes
+
+
+def test_the_power_of_any_number_that_is_needed_can_be_told() -> None:
+    found = scenes_needed(0.66, 0.6601)
+    assert found.scenes > 10**8
+    assert found.power_of(found.scenes) == pytest.approx(0.8, abs=1e-3)
+
+
+def test_a_single_scene_or_path_is_one_in_words() -> None:
+    assert "  1 scene if all" in str(scenes_needed(0.5, 0.6, power=0.01))
+    assert " = 1 path of 9 (" in str(scenes_needed(0.01, 0.99, per_path=9))
+
+
 def test_agreement_saves_scenes() -> None:
     sizes = [scenes_needed(0.66, 0.51, agreement=value).scenes for value in (0, 0.2, 0.4, 0.6)]
     assert sizes == sorted(sizes, reverse=True)

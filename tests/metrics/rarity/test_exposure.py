@@ -31,15 +31,27 @@ def test_the_shares_of_a_choice_and_of_the_rest_add_up(kinds):
     assert 0.0 <= own.low <= own.share <= own.high <= 1.0
 
 
+@given(st.lists(st.floats(0.0, 9.0), min_size=1, max_size=40))
+def test_all_kinds_are_all_meetings(rarities):
+    found = exposure([told(value) for value in rarities], [True] * len(rarities))
+    assert (found.low, found.share, found.high) == (1.0, 1.0, 1.0)
+
+
 def test_one_common_kind_outweighs_a_hundred_rare_ones():
     found = exposure([told(2.0)] + [told(6.0)] * 100, [True] + [False] * 100)
     assert found.share == pytest.approx(1.0 / 1.01)
 
 
-@pytest.mark.parametrize(("rarity", "words"), [(4.5, "0.3% "), (7.0, "<0.1% "), (3.0, "9% ")])
-def test_a_rare_kind_is_not_said_to_be_no_part_of_what_a_driver_meets(rarity, words):
-    assert str(exposure([told(2.0), told(rarity)], [False, True])).startswith(words)
-    assert str(exposure([told(2.0), told(rarity)], [False, False])).startswith("0% ")
+@pytest.mark.parametrize(
+    ("rarity", "words", "of_the_rest"),
+    [(4.5, "0.3% ", "99.7% "), (7.0, "<0.1% ", ">99.9% "), (3.0, "9% ", "91% ")],
+)
+def test_a_rare_kind_is_not_said_to_be_no_part_of_what_a_driver_meets(rarity, words, of_the_rest):
+    kinds = [told(2.0), told(rarity)]
+    assert str(exposure(kinds, [False, True])).startswith(words)
+    assert str(exposure(kinds, [True, False])).startswith(of_the_rest)
+    assert str(exposure(kinds, [False, False])).startswith("0% ")
+    assert str(exposure(kinds, [True, True])).startswith("100% ")
 
 
 def test_what_cannot_be_told_counts_in_neither_sum():

@@ -139,6 +139,21 @@ def test_a_light_turns_from_green_over_amber_to_red_and_stays_red(at: float, kin
     assert "amber" not in [phase_of("green", trigger, fired, now) for now in times]
 
 
+@given(
+    st.sampled_from([("green", "red"), ("amber", "green"), ("off", "off")]),
+    st.floats(3.0, 20.0),
+    st.sampled_from(["time", "distance", "ttc"]),
+    st.floats(0.0, 30.0),
+)
+def test_a_light_that_does_not_turn_red_changes_at_its_trigger(
+    states: tuple[str, str], at: float, kind: str, time: float
+) -> None:
+    state, before = states
+    trigger = Trigger.model_validate({"kind": kind, "value": at})
+    shown = phase_of(state, trigger, at if time >= at else -1.0, time)
+    assert shown == (state if time >= at - 1e-6 * (kind == "time") else before)
+
+
 @given(places, places, yaws, st.floats(-2.1, 2.1), st.floats(1.0, 20.0), st.floats(-0.4, 0.4))
 def test_people_in_the_way_see_what_comes_except_from_behind(
     x: float, y: float, yaw: float, aside: float, ahead: float, turn: float
