@@ -198,7 +198,7 @@ class _Drives:
             other = self._one(plan.twin, plan.steps)
         except OodscenError as error:
             return [result, failed_drive(twin_id(scene.id), self.name, error)]
-        return _pair(result, other, is_needless(other, is_clear))
+        return paired(result, other, is_needless(other, is_clear))
 
     def _one(self, scene: Scene, steps: int) -> DriveResult:
         simulator = self.simulator
@@ -315,8 +315,8 @@ def drive_states(
         yield state
 
 
-def _pair(one: DriveResult, other: DriveResult, needless: bool | None) -> list[DriveResult]:
-    """Add to both results how the same driver fared in the other."""
+def paired(one: DriveResult, other: DriveResult, needless: bool | None) -> list[DriveResult]:
+    """Return a scene's and its twin's results with how the same driver fared in the other."""
     braking = {"brakes_needlessly": needless}
     if other.status == "ok":
         lost = round(other.progress - one.progress, 4) if one.status == "ok" else None

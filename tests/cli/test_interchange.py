@@ -13,6 +13,7 @@ from oodscen import Study, make_catalogue, make_simulator
 from oodscen._cli import main
 from oodscen._cli.export_folder import LIST
 from oodscen._members import using
+from oodscen.data._pairing import kind_of
 from oodscen.interchange import read_openscenario
 from oodscen.interchange._recording import UnrenderedSimulator, ordinary_twin, replayed
 from oodscen.interchange._traces.osi_reading import read_osi_trace
@@ -241,6 +242,29 @@ def test_a_played_run_enters_the_table_of_drivers(study, tmp_path):
     assert "stack" in (study / "report.html").read_text()
     (told,) = json.loads(run("verdict", study, path, "--json").stdout)
     assert told["outcome"]["safe"] == row.passed
+
+
+def test_a_played_twin_is_paired_with_its_scene_and_a_demand_is_left_out_of_the_table(
+    quick, tmp_path
+):
+    study = shutil.copytree(quick, tmp_path / "out")
+    words = ("--to", "osi", "--action", "emergency_brake", "--limit", 2)
+    assert run("export", study, "-o", tmp_path / "files", *words).exit_code == 0
+    files = sorted((tmp_path / "files").glob("*.osi"))
+    assert [kind_of(one.stem) for one in files].count("demand") == 2
+    order = ("verdict", study, *files, "--driver", "stack")
+    for _ in range(2):
+        found = run(*order)
+        assert found.exit_code == 0, found.output
+        assert "2 demands are judged and not in the table of scenes and twins" in found.stderr
+    played = {row.scene_id: row for row in Study.open(study).drives}
+    assert {kind_of(name) for name in played} == {"rare", "twin"}
+    assert run("drive", study, "--driver", "emergency_brake").exit_code == 0
+    own = {row.scene_id: row for row in Study.open(study).drives if row.driver != "stack"}
+    for name, row in played.items():
+        assert row.brakes_needlessly == own[name].brakes_needlessly
+        assert row.twin_passed == own[name].twin_passed
+        assert (row.progress_lost is None) == (own[name].progress_lost is None)
 
 
 def test_a_result_is_not_replaced_unasked(study, tmp_path):

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from oodscen._arguments import checked
 from oodscen.data._base import Data
@@ -34,6 +35,8 @@ from oodscen.stages._safe_actions import judge_outcome, runs_red
 
 _ALIGNED = 0.8
 """Cosine to the road's direction from which an actor drives along the road."""
+_STRAIGHT = 0.1
+"""Share of a bend of mean speeds up to which those before and after it are straight."""
 _EARLY_S = 0.25
 """Time before the horizon at which a run may end, s."""
 _SIZE_M = 0.25
@@ -244,8 +247,9 @@ def _states(world: KinematicWorld, times: Floats, poses: Floats) -> list[State]:
 def _speeds(time: Floats, poses: Floats, corridor: Corridor, towed: Sequence[int]) -> Floats:
     """Return the speeds along the headings at the end of every step, from the steps before.
 
-    The acceleration is taken as constant over two steps, or over the last one if it changed then. A body that would
-    end a step moving backwards against it has come to rest. An actor that drives along the road has the speed of its
+    The acceleration is taken as constant over two steps, or over the last one if it changed then. Where a simulator
+    moves bodies by the speed at the start of a step, the mean speed bends at once; there the speed is the mean of the
+    steps before and after. A body that would end a step moving backwards against it has come to rest. An actor that drives along the road has the speed of its
     way along the road, since its heading need not follow its swaying. A towed body has its mean speed over the last
     step, as in the simulation.
     """
@@ -258,9 +262,23 @@ def _speeds(time: Floats, poses: Floats, corridor: Corridor, towed: Sequence[int
     turn = np.diff(change, axis=0)
     is_sudden = np.abs(turn[:-1]) < 0.5 * np.abs(turn[1:])
     speeds[4:] += np.where(is_sudden, 0.5 * turn[1:], 0.0)
+    at, rows = np.nonzero(_bends_at_once(turn))
+    for step in (at + 3, at + 4):
+        speeds[step, rows] = 0.5 * (mean[step - 1, rows] + mean[step, rows])
     speeds[1:][speeds[1:] * mean <= 0.0] = 0.0
     speeds[2:, towed] = mean[1:, towed]
     return speeds
+
+
+def _bends_at_once(turn: Floats) -> NDArray[np.bool_]:
+    """Return where mean speeds, straight before and after, bend between two steps: [n - 6, bodies].
+
+    `turn` has the second differences of the mean speeds, [n - 3, bodies].
+    """
+    now = _STRAIGHT * np.abs(turn[1:-2])
+    others = (turn[:-3], turn[2:-1], turn[3:])
+    bends: NDArray[np.bool_] = np.all([np.abs(other) < now for other in others], axis=0)
+    return bends
 
 
 def _mean_speeds(time: Floats, poses: Floats, corridor: Corridor, towed: Sequence[int]) -> Floats:

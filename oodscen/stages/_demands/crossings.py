@@ -41,6 +41,8 @@ _ACROSS_LANE_M = 3.0
 
 _CLEAR_S = 0.8
 """Time for which a light is red before anyone steps onto the crossing, s."""
+_SEEN_RED_S = 0.1
+"""Time for which the light is red at the decision, at least, s; its text and claim tell so."""
 _HEAD_START_S = 0.3
 """Time that people need to begin to walk, s."""
 _KERB_M = 0.6
@@ -126,7 +128,8 @@ def _light_at_crossing(setting: Setting, rng: np.random.Generator) -> Draft | No
     walkers = _walkers(setting, rng, ahead)
     if not walkers:
         return None
-    red_since_s = max(0.0, walkers[0].behaviour.trigger.value - _CLEAR_S)
+    first_s = walkers[0].behaviour.trigger.value
+    red_since_s = max(0.0, min(first_s - _CLEAR_S, setting.decision_s - _SEEN_RED_S))
     if red_since_s:
         walkers = [walker for walker in walkers if walker.behaviour.trigger.value > red_since_s]
     actors = [*_stripes(setting, ahead), *_lights(setting, ahead, red_since_s), *walkers]

@@ -72,6 +72,22 @@ def test_speeds_of_poses_are_exact_where_acceleration_changes(stretches, speed):
     assert found[4:] == pytest.approx(speeds[4:], abs=1e-6)
 
 
+@given(
+    st.floats(-8.0, 4.0).filter(lambda value: abs(value) > 0.1),
+    st.integers(4, 30),
+    st.floats(0.5, 30.0),
+)
+def test_a_body_that_moves_by_the_speed_before_each_step_brakes_no_harder(
+    acceleration, at, slowest
+):
+    steps = np.arange(40)
+    speeds = 0.05 * acceleration * np.maximum(steps - at, 0)
+    speeds += slowest - speeds.min()
+    found = along(np.r_[0.0, np.cumsum(0.05 * speeds[:-1])])
+    assert np.abs(found[4:] - speeds[4:]).max() <= 0.05 * abs(acceleration) + 1e-9
+    assert np.abs(np.diff(found[4:])).max() <= 0.05 * abs(acceleration) + 1e-9
+
+
 @given(st.floats(0.1, 40), st.floats(0.0, 1.0))
 def test_a_body_that_stops_within_a_step_is_at_rest_at_its_end(speed, share):
     ways = 0.05 * speed * np.r_[np.ones(8), share * 0.5, np.zeros(4)]

@@ -128,6 +128,15 @@ def test_the_slowest_driver_can_stop_before_the_light(setting, rng):
 
 
 @given(settings_on(STREETS), generators)
+def test_a_light_is_red_at_the_decision(setting, rng):
+    for light in named(red_light(setting, rng), "light"):
+        assert light.behaviour.trigger.kind == "time"
+        assert (
+            not light.behaviour.trigger.value or light.behaviour.trigger.value < setting.decision_s
+        )
+
+
+@given(settings_on(STREETS), generators)
 def test_a_light_is_red_before_anyone_steps_onto_the_crossing(setting, rng):
     draft = red_light(setting, rng)
     (red_since,) = {one.behaviour.trigger.value for one in named(draft, "light")}
