@@ -3,7 +3,7 @@
 import json
 import sys
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,11 +26,9 @@ from oodscen._cli.progress import tracked
 from oodscen._members import using
 from oodscen._text import one_line, printable
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._drive_result import DriveResult
-from oodscen.data._pairing import is_twin, kind_of, scene_of, twin_id
+from oodscen.data._pairing import is_twin, kind_of, scene_of
 from oodscen.data._scene import Scene
 from oodscen.errors import OodscenError, UsageError
-from oodscen.protocols import Simulator
 
 if TYPE_CHECKING:
     from oodscen.interchange._verdicts.verdict import PlayedVerdict
@@ -261,66 +259,18 @@ def _enter(place: Path, verdicts: "list[PlayedVerdict]", is_replacing: bool) -> 
     Raises:
         UsageError: If the table has other results of the driver for these scenes that are not to be replaced.
     """
-    from oodscen import make_simulator
-    from oodscen.judging._drive_board import current_results
+    from oodscen._pipeline.playing import enter_played
     from oodscen.report._render import write_report
     from oodscen.study._study import Study
 
     study = Study.open(place)
     click.get_current_context().with_resource(study.store.writing())
-    digests = {scene.id: scene.digest() for scene in study.scenes}
-    rows = {row.id: row for row in current_results(study.drives, study.scenes)}
-    results = {
-        played_verdict.drive.id: played_verdict.drive.model_copy(
-            update={"made_from": digests[scene_of(played_verdict.scene_id)]}
-        )
-        for played_verdict in verdicts
-        if kind_of(played_verdict.scene_id) != "demand"
-    }
-    if left_out := len(verdicts) - len(results):
-        say(f"{left_out} demands are judged and not in the table of scenes and twins", err=True)
-    if not results:
-        return
-    driven = {scene_of(result.scene_id) for result in results.values()}
-    scenes = [scene for scene in study.scenes if scene.id in driven]
-    with using(make_simulator(study.config.simulator)) as simulator:
-        pairs = _pairs(
-            rows | results, verdicts[0].drive.driver, scenes, simulator, study.config.seed
-        )
-    table = rows | results | pairs
-    other = [
-        result.scene_id
-        for name, result in results.items()
-        if table[name] != rows.get(name, table[name])
-    ]
-    if other and not is_replacing:
-        raise UsageError(
-            f"{verdicts[0].drive.driver} has another result for {', '.join(other[:5])} already, which --replace replaces"
-        )
-    rows = table
-    study.store.write_lines("drives.jsonl", list(rows.values()))
-    write_report(study)
-
-
-def _pairs(
-    table: Mapping[str, DriveResult],
-    driver: str,
-    scenes: Sequence[Scene],
-    simulator: Simulator,
-    seed: int,
-) -> dict[str, DriveResult]:
-    """Return the results of scenes of which a driver also drove the twin, each with how it fared in the other."""
-    from oodscen.stages._drive import DrivePlan, is_needless, paired
-
-    found: dict[str, DriveResult] = {}
-    for scene in scenes:
-        one = table.get(f"{scene.id}@{driver}")
-        other = table.get(f"{twin_id(scene.id)}@{driver}")
-        if one is not None and other is not None:
-            is_clear = DrivePlan(scene, simulator, seed).is_clear
-            pair = paired(one, other, is_needless(other, is_clear))
-            found |= {result.id: result for result in pair}
-    return found
+    drives = [played.drive for played in verdicts if kind_of(played.scene_id) != "demand"]
+    if left_out := len(verdicts) - len(drives):
+        say(f"not in the table, which has scenes and twins only: demands ({left_out})", err=True)
+    if drives:
+        enter_played(study, drives, is_replacing=is_replacing)
+        write_report(study)
 
 
 def _line(played: "PlayedVerdict") -> str:

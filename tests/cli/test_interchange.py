@@ -256,7 +256,7 @@ def test_a_played_twin_is_paired_with_its_scene_and_a_demand_is_left_out_of_the_
     for _ in range(2):
         found = run(*order)
         assert found.exit_code == 0, found.output
-        assert "2 demands are judged and not in the table of scenes and twins" in found.stderr
+        assert "scenes and twins only: demands (2)" in found.stderr
     played = {row.scene_id: row for row in Study.open(study).drives}
     assert {kind_of(name) for name in played} == {"rare", "twin"}
     assert run("drive", study, "--driver", "emergency_brake").exit_code == 0
