@@ -291,6 +291,10 @@ def serve(connection: Connection) -> None:
         pass
     except OSError:  # Nobody takes the answer.
         _is_abandoned = True
+    finally:
+        # An interruption of what is only shutting down would be no more than a report on standard error.
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
 def _end_group() -> None:

@@ -244,3 +244,26 @@ def test_children_that_are_left_are_ended_and_earlier_ones_are_not():
         assert later.pid not in children()
         assert earlier.poll() is None
         earlier.kill()
+
+
+def test_a_worker_that_nobody_listens_to_leaves_without_a_word():
+    code = """
+import os, pickle, signal, time
+from oodscen._processes import serve
+
+class Gone:
+    calls = [pickle.dumps(os.getpid)]
+    def send(self, message): pass
+    def recv_bytes(self):
+        return self.calls.pop() if self.calls else time.sleep(60)
+    def send_bytes(self, answer):
+        raise BrokenPipeError
+
+serve(Gone())
+os.kill(os.getpid(), signal.SIGTERM)
+print("left", flush=True)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, start_new_session=True
+    )
+    assert (done.stdout, done.stderr) == ("left\n", "")
