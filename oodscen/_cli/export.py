@@ -166,24 +166,27 @@ class _Writer:
     def run(self) -> tuple[int, list[str]]:
         """Return the number of files, and the faults of scenes that cannot be written."""
         from oodscen import make_simulator
-        from oodscen.interchange._recording import ordinary_twin
 
         count, faults = 0, list[str]()
         with using(make_simulator(self.options.simulator)) as simulator:
             for scene in self.scenes:
-                drives = [scene, *self.facts.demands_of(scene)]
-                if self.options.twins and not scene.is_ordinary:
-                    with _listing(faults, twin_id(scene.id)):
-                        drives.append(
-                            ordinary_twin(
-                                scene, self.catalogue, seed=self.options.seed, simulator=simulator
-                            )
-                        )
-                for drive in drives:
+                for drive in self._drives(scene, simulator, faults):
                     with _listing(faults, drive.id):
                         self._write(drive, simulator)
                         count += 1
         return count, faults
+
+    def _drives(self, scene: Scene, simulator: Simulator, faults: list[str]) -> list[Scene]:
+        """Return a scene and its ordinary drives; the fault of a twin that cannot be made is listed."""
+        from oodscen.interchange._recording import ordinary_twin
+
+        drives = [scene, *self.facts.demands_of(scene)]
+        if self.options.twins and not scene.is_ordinary:
+            with _listing(faults, twin_id(scene.id)):
+                seed = self.options.seed
+                twin = ordinary_twin(scene, self.catalogue, seed=seed, simulator=simulator)
+                drives.append(twin)
+        return drives
 
     def _write(self, scene: Scene, simulator: Simulator) -> None:
         form = self.options.form

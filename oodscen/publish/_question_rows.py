@@ -66,8 +66,7 @@ class PublishedDrive:
     @property
     def images(self) -> tuple[Image, ...]:
         """The pictures as they are asked about: the frames, and the view to the rear if there is one."""
-        rear = self.asked.rear
-        return self.frames if rear is None else (*self.frames, rear)
+        return naming_prompt(self.asked.shown).images()
 
     @cached_property
     def oracle(self) -> Answers:
