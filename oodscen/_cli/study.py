@@ -318,17 +318,18 @@ def quiz(out: Path, file: Path | None, scenes: int, rear_view: bool | None) -> N
     takes as the row human:NAME.
     """
     from oodscen._pipeline import RunOptions
-    from oodscen._pipeline.answering import rear_views
+    from oodscen._pipeline.answering import take_rear_views
     from oodscen.report._quiz import draw_drives, write_quiz
     from oodscen.study._study import Study
 
     if file is not None and not is_written_through(file):
         refuse_own(file, but=QUIZ)
-    study, rears = Study.open(out), dict[str, str]()
-    if study.config.rear_view if rear_view is None else rear_view:
+    study = Study.open(out)
+    shows_rear = study.config.rear_view if rear_view is None else rear_view
+    if shows_rear:
         drives = [drive.episode for drive in draw_drives(study, scenes)]
         with bars() as progress:
             options = RunOptions(workers=os.cpu_count() or 1, progress=progress)
-            rears = rear_views(study, drives, options)
-    target = write_quiz(study, file, scenes=scenes, rears=rears)
+            take_rear_views(study, drives, options)
+    target = write_quiz(study, file, scenes=scenes, rear_view=shows_rear)
     write(None, str(target.resolve()))

@@ -63,8 +63,8 @@ def _read(study: Study, file: Path) -> QuizAnswers:
     return quiz
 
 
-def rear_views(study: Study, episodes: Sequence[Episode], options: RunOptions) -> dict[str, str]:
-    """Return the files of the views to the rear by drive; those that a study lacks are taken.
+def take_rear_views(study: Study, episodes: Sequence[Episode], options: RunOptions) -> None:
+    """Take the views to the rear that drives of a study lack.
 
     Raises:
         InUse: When another process writes the study.
@@ -73,4 +73,4 @@ def rear_views(study: Study, episodes: Sequence[Episode], options: RunOptions) -
         wanted = {episode.scene_id for episode in episodes}
         wanted |= {line["id"] for line in study.store.lines(REAR)}
         drives = [episode for episode in study.episodes if episode.scene_id in wanted]
-        return simulate_behind(Context(study.folder, study.config, options), drives)
+        simulate_behind(Context(study.folder, study.config, options), drives)

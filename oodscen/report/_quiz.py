@@ -1,16 +1,19 @@
 """The quiz: one self-contained page that puts a study's questions to a person."""
 
 import base64
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from oodscen._decimals import seconds
-from oodscen._files import is_written_through, read_bytes, replace, write_named
+from oodscen._files import is_written_through, write_named
+from oodscen._files import replace as replace_file
 from oodscen._seeding import stream
 from oodscen._study_files import QUIZ, refuse_own
 from oodscen.data._base import canonical_json, digest
 from oodscen.data._episode import in_order
+from oodscen.data._messages import Image
 from oodscen.data._pairing import scene_of
 from oodscen.errors import DataError, Issue
 from oodscen.judging._people import token
@@ -35,7 +38,7 @@ def write_quiz(
     out: Path | None = None,
     *,
     scenes: int = SCENES,
-    rears: Mapping[str, str] | None = None,
+    rear_view: bool = False,
 ) -> Path:
     """Write the quiz of a study, and return the file's path.
 
@@ -46,7 +49,7 @@ def write_quiz(
         study: Has the pictures and the questions.
         out: The file; `quiz.html` in the study's folder by default.
         scenes: Maximum number of scenes, drawn by the study's seed so that all paths have their share.
-        rears: Files of the views from the rear window, by drive; without them none is shown.
+        rear_view: Show the views from the rear window, which the study has.
 
     Raises:
         DataError: If no episode of the study has frames, or one is not the recorded frame or cannot be shown.
@@ -56,20 +59,18 @@ def write_quiz(
     target = out or study.folder / QUIZ
     if out is not None and not is_written_through(out):
         refuse_own(out, but=QUIZ)
-    page = (
-        environment()
-        .get_template("quiz.html.j2")
-        .render(payload=_payload(study, scenes, rears or {}))
-    )
+    payload = _payload(study, scenes, rear_view)
+    page = environment().get_template("quiz.html.j2").render(payload=payload)
     # A link in the study's folder may lead out of it; one that the caller named is followed.
-    write = write_named if out else replace
+    write = write_named if out else replace_file
     write(target, page.encode("utf-8"))
     return target
 
 
-def _payload(study: Study, scenes: int, rears: Mapping[str, str]) -> str:
+def _payload(study: Study, scenes: int, rear_view: bool) -> str:
     """Return the data of the page as JSON that can stand in a script element."""
-    items = [_item(study, drive, rears) for drive in draw_drives(study, scenes)]
+    drives = [replace(drive, shows_rear=rear_view) for drive in draw_drives(study, scenes)]
+    items = [_item(drive) for drive in drives]
     if not items:
         raise DataError("study", [Issue("", "no episode has frames")], source=str(study.folder))
     actions = [[option.id, option.description] for option in OPTIONS]
@@ -82,29 +83,26 @@ def _payload(study: Study, scenes: int, rears: Mapping[str, str]) -> str:
     return canonical_json(payload).replace("<", "\\u003c")
 
 
-def _item(study: Study, drive: AskedDrive, rears: Mapping[str, str]) -> dict[str, Any]:
+def _item(drive: AskedDrive) -> dict[str, Any]:
     episode, shown = drive.episode, ShownDrive.of(drive.episode, drive.frames)
     naming = paragraphs(naming_prompt(shown))
     choosing = paragraphs(choosing_prompt(shown, drive.options))
     acting = paragraphs(acting_prompt(shown))
     item = {
         "item": token(episode),
-        "frames": [
-            _data_url(study.store.inside(episode.frames[moment]))
-            for moment in in_order(drive.frames)
-        ],
+        "frames": [_data_url(drive.frames[moment]) for moment in in_order(drive.frames)],
         "times": [seconds(time) for time in shown.facts.times_s],
         "facts": naming[0],
         "questions": [naming[1], choosing[1], acting[1]],
         "options": [[option.id, option.label] for option in drive.options],
     }
-    if episode.scene_id in rears:
-        item["rear"] = _data_url(study.store.inside(rears[episode.scene_id]))
+    if drive.rear is not None:
+        item["rear"] = _data_url(drive.rear)
     return item
 
 
-def _data_url(path: Path) -> str:
-    data = read_bytes(path)
+def _data_url(image: Image) -> str:
+    data = image.read()
     kind = "png" if data.startswith(b"\x89PNG") else "jpeg"
     return f"data:image/{kind};base64,{base64.b64encode(data).decode()}"
 

@@ -10,12 +10,11 @@ from oodscen.data._messages import Image
 from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
-from oodscen.errors import DataError, Issue
 from oodscen.judging._questions import ShownDrive
 from oodscen.judging._references import AspectOption
 from oodscen.judging._scoring import AnswerKey
 from oodscen.protocols import Camera
-from oodscen.study._frames import frames_of
+from oodscen.study._frames import frames_of, rear_view_of
 from oodscen.study._judged import AnswerKeys, Judged, is_shown
 from oodscen.study._stale import refuse_stale
 
@@ -62,11 +61,7 @@ class AskedDrive:
         """
         if not self.shows_rear:
             return None
-        if self.behind is None or not self.behind.frames:
-            lacks = f"{self.episode.scene_id} has no view to the rear; the same `oodscen run OUT` takes it"
-            raise DataError("frames", [Issue("", lacks)], source=str(self.store.folder))
-        behind = self.behind
-        return frames_of(self.store, behind.frames, behind.file_sha256, self.camera)["last"]
+        return rear_view_of(self.store, self.episode.scene_id, self.behind, self.camera)
 
     @property
     def shown(self) -> ShownDrive:

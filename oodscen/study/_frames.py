@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+from oodscen.data._episode import Episode
 from oodscen.data._messages import Image
 from oodscen.errors import DataError, Issue
 from oodscen.protocols import Camera
@@ -36,6 +37,24 @@ def frames_of(
     if faults:
         raise DataError("frames", [Issue("", fault) for fault in faults], source=str(store.folder))
     return frames
+
+
+def rear_view_of(store: Store, scene_id: str, behind: Episode | None, camera: Camera) -> Image:
+    """Return the view from the rear window at the decision of a drive.
+
+    Args:
+        store: The study's folder.
+        scene_id: The drive.
+        behind: The run in which the view was taken, if it was.
+        camera: The camera of the frames.
+
+    Raises:
+        DataError: If the view was not taken, or for the reasons of `frames_of`.
+    """
+    if behind is None or not behind.frames:
+        lacks = f"{scene_id} has no view to the rear; the same `oodscen run OUT` takes it"
+        raise DataError("frames", [Issue("", lacks)], source=str(store.folder))
+    return frames_of(store, behind.frames, behind.file_sha256, camera)["last"]
 
 
 def _fault(image: Image, recorded: Mapping[str, str], camera: Camera) -> str:

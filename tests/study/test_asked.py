@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from oodscen import Study
 from oodscen._cli import main
 from oodscen._pipeline import RunOptions
-from oodscen._pipeline.answering import rear_views
+from oodscen._pipeline.answering import take_rear_views
 from oodscen.data._pairing import is_ordinary, scene_of
 from oodscen.errors import DataError
 from oodscen.judging._questions import naming_prompt
@@ -45,7 +45,7 @@ def behind(quick, tmp_path):
     (out / "study.json").write_text(json.dumps(record))
     (out / "verdicts.jsonl").unlink()  # Its answers are to questions without that view.
     study = Study.open(out)
-    rear_views(study, [drive.episode for drive in asked_drives(study)[:2]], RunOptions())
+    take_rear_views(study, [drive.episode for drive in asked_drives(study)[:2]], RunOptions())
     return Study.open(out)
 
 
@@ -59,7 +59,7 @@ def test_the_view_to_the_rear_is_asked_about_everywhere_if_the_study_shows_it(be
         _ = third.shown
     with pytest.raises(DataError, match="no view to the rear"):
         behind.publish(tmp_path / "data")
-    rear_views(behind, behind.episodes, RunOptions())
+    take_rear_views(behind, behind.episodes, RunOptions())
     data = Study.open(behind.folder).publish(tmp_path / "data", validation=0.0).folder
     table = parquet.read_table(data / "data" / "questions" / "test.parquet").to_pylist()
     assert {len(row["images"]) for row in table} == {4}

@@ -80,14 +80,14 @@ def evaluate(
     if "paper" in run.config.protocols:
         shown["paper"] = simulate_whole(run, scenes)
     items = _items(run, answerers, shown)
-    rear_views = simulate_behind(run, asked) if run.config.rear_view else {}
+    behind = simulate_behind(run, asked) if run.config.rear_view else {}
     people = [
         answerer.model
         for answerer in answerers.values()
         if isinstance(answerer.model, PersonAnswers)
     ]
     rule = VerdictRule(shown, scenarios, scenes, run.config, people)
-    questioner = Questioner(run, rule.keys, episodes, rear_views)
+    questioner = Questioner(run, rule.keys, episodes, behind)
 
     def made_from(key: str) -> str:
         item = items[key]

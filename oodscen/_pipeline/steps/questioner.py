@@ -14,7 +14,7 @@ from oodscen.judging._scoring import GivenAnswers, answers_in, kind_of_answerer,
 from oodscen.protocols import LLM
 from oodscen.stages._evaluate import answers_of_reference, unjudged_verdict
 from oodscen.stages._evaluate import evaluate as judge_episode
-from oodscen.study._frames import frames_of
+from oodscen.study._frames import frames_of, rear_view_of
 from oodscen.study._judged import AnswerKeys
 
 
@@ -38,7 +38,7 @@ class Questioner:
         run: Context,
         keys: AnswerKeys,
         episodes: Sequence[Episode],
-        rear_views: Mapping[str, str],
+        behind: Mapping[str, Episode],
     ) -> None:
         """Collect what the questions need.
 
@@ -46,11 +46,11 @@ class Questioner:
             run: The run, with its configuration and files.
             keys: The keys to the answers.
             episodes: All drives up to the decision.
-            rear_views: Files of the views to the rear, by drive.
+            behind: The runs in which the views to the rear were taken, by drive.
         """
         self._config, self._store, self._keys = run.config, run.store, keys
         self._up_to_decision = {episode.scene_id: episode for episode in episodes}
-        self._rear_views = rear_views
+        self._behind = behind
 
     def verdict(self, item: Item) -> Verdict:
         """Return the answerer's verdict on an item; a failed one if there is nothing to show."""
@@ -64,7 +64,8 @@ class Questioner:
             try:
                 frames = self._images(episode, protocol)
                 if self._config.rear_view and protocol == "ours":
-                    rear = self._rear_view(episode)
+                    name, camera = episode.scene_id, self._config.camera
+                    rear = rear_view_of(self._store, name, self._behind.get(name), camera)
                 earlier = self._up_to_decision.get(episode.scene_id)
                 if protocol == "paper" and earlier is not None:
                     before = ShownDrive.of(earlier, self._images(earlier))
@@ -125,12 +126,3 @@ class Questioner:
         if issues:
             raise DataError("frames", issues)
         return frames
-
-    def _rear_view(self, episode: Episode) -> Image:
-        """Return the view to the rear; raises `DataError` if it cannot be shown."""
-        file = self._rear_views.get(episode.scene_id)
-        image = Image.from_file(self._store.inside(file), file) if file else None
-        fault = image.fault() if image else "there is no view to the rear"
-        if image is None or fault:
-            raise DataError("frames", [Issue("", fault)])
-        return image

@@ -248,8 +248,8 @@ def _sweep(run: Context, job: Job, items: Mapping[str, Scene], file: str) -> lis
     return [Episode.parse(row) for row in rows]
 
 
-def simulate_behind(run: Context, episodes: Sequence[Episode]) -> dict[str, str]:
-    """Take the picture from the rear window at every decision; return the files by id of the drive.
+def simulate_behind(run: Context, episodes: Sequence[Episode]) -> dict[str, Episode]:
+    """Take the picture from the rear window at every decision; return the runs by id of the drive.
 
     Args:
         run: The run's context.
@@ -266,8 +266,7 @@ def simulate_behind(run: Context, episodes: Sequence[Episode]) -> dict[str, str]
     }
     config = run.config
     job = Job(config.simulator, config.seed, camera=config.camera, is_rear=True)
-    rear_episodes = _sweep(run, job, items, REAR)
-    return {episode.scene_id: episode.frames["last"] for episode in rear_episodes if episode.frames}
+    return {episode.scene_id: episode for episode in _sweep(run, job, items, REAR)}
 
 
 def refuse_late_outputs(store: Store, outputs: Outputs) -> None:

@@ -11,7 +11,7 @@ from lxml import html
 
 from oodscen import Study
 from oodscen._pipeline import RunOptions, run_study
-from oodscen._pipeline.answering import rear_views
+from oodscen._pipeline.answering import take_rear_views
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.dropping import drop_models
 from oodscen.data._episode import ACTIONS
@@ -582,12 +582,28 @@ def test_the_view_to_the_rear_is_shown_where_it_is_asked_for(folder):
 
 def test_a_quiz_takes_the_views_to_the_rear_that_a_study_lacks(quick, tmp_path):
     study = Study.open(shutil.copytree(quick, tmp_path / "out"))
-    taken = [rear_views(study, study.episodes[:count], RunOptions()) for count in (1, 3, 1)]
-    assert [len(one) for one in taken] == [1, 3, 3]
-    page = write_quiz(study, rears=taken[1]).read_text()
+    drives = [drive.episode for drive in draw_drives(study, 1)]
+    for count in (1, 1, len(drives)):
+        with pytest.raises(DataError, match="has no view to the rear"):
+            write_quiz(study, scenes=1, rear_view=True)
+        take_rear_views(study, drives[:count], RunOptions())
+        assert len(study.behind) == count
+    page = write_quiz(study, scenes=1, rear_view=True).read_text()
     items = json.loads(html.fromstring(page).get_element_by_id("payload").text)["items"]
-    drives = [drive.episode.scene_id for drive in draw_drives(study, 20)]
-    assert ["rear" in item for item in items] == [name in taken[1] for name in drives]
+    assert ["rear" in item for item in items] == [True] * len(drives)
+
+
+def test_a_view_to_the_rear_that_is_not_the_recorded_one_is_taken_again(folder):
+    config = judging("m").model_copy(update={"rear_view": True})
+    model = ConstantAnswerer("stop")
+    model.name, model.kind = "m", "model"
+    study = run_study(folder, config, models={"m": model})
+    edited, other = study.behind[0], study.behind[1]
+    shutil.copyfile(folder / other.frames["last"], folder / edited.frames["last"])
+    with pytest.raises(DataError, match="is not the recorded frame"):
+        write_quiz(study, rear_view=True)
+    run_study(folder, config, models={"m": model})
+    assert write_quiz(study, rear_view=True).is_file()
 
 
 def test_a_dead_judge_leaves_the_aspects_to_the_matcher(folder):
