@@ -98,11 +98,12 @@ def _rows(board: Leaderboard | None) -> list[dict[str, Any]]:
     """Return the figures of judged models and references, by the names of requirements."""
     if board is None:
         return []
-    rows = [row for row in board.standings if row.protocol == "ours"]
+    rows = sorted(board.standings, key=lambda row: row.protocol == "paper")
     return [
         {
             "model": "a person" if row.model.startswith(person("")) else row.model,
             "kind": row.kind,
+            "protocol": row.protocol,
             "notice-both": _share(row.paired.notice),
             "act-both": _share(row.paired.act),
             "notice": _share(row.detection.sensitivity),

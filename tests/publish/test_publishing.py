@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
-from shutil import rmtree
+from shutil import copytree, rmtree
 from tempfile import TemporaryDirectory
 from typing import Any
 
@@ -27,7 +27,7 @@ from oodscen._lock import locked
 from oodscen.errors import DataError, FolderTaken, InUse, StudyError, UsageError
 from oodscen.judging import leaderboard
 from oodscen.publish import score_answers
-from oodscen.publish._card import _cell
+from oodscen.publish._card import _cell, card
 from oodscen.publish._parquet import DRIVES, QUESTIONS
 from oodscen.publish._question_rows import published_drives, question_rows
 from oodscen.publish._replacing import SUMS, replacing
@@ -114,12 +114,12 @@ def test_the_sums_are_those_of_the_files_and_the_card_needs_no_other(data):
         if path.is_file() and path.name != SUMS
     }
     assert told == there
-    card = (data / "README.md").read_text()
-    assert all(f"| `{column}`" in card or f"`{column}`" in card for column in (*QUESTIONS, "safe"))
-    assert "{{" not in card
-    assert str(data) not in card
-    assert "api_base" not in card
-    head = card.split("---\n")[1]
+    text = (data / "README.md").read_text()
+    assert all(f"`{column}`" in text for column in (*QUESTIONS, "safe"))
+    assert "{{" not in text
+    assert str(data) not in text
+    assert "api_base" not in text
+    head = text.split("---\n")[1]
     assert "license: cc-by-4.0" in head
     assert "data/questions/test.parquet" in head
 
@@ -272,13 +272,13 @@ def test_no_link_in_the_folder_is_followed(study, tmp_path, place):
 
 def test_a_card_that_was_changed_by_hand_is_kept(study, tmp_path):
     folder = study.publish(tmp_path / "set", forms=()).folder
-    first, card = content(folder), folder / "README.md"
-    card.write_text(f"{card.read_text()}\nOur note.\n")
+    first, readme = content(folder), folder / "README.md"
+    readme.write_text(f"{readme.read_text()}\nOur note.\n")
     before = content(folder)
     with pytest.raises(UsageError, match=r"README\.md was changed since it was published"):
         study.publish(folder, forms=())
     assert content(folder) == before
-    card.unlink()
+    readme.unlink()
     study.publish(folder, forms=())
     assert content(folder) == first
 
@@ -288,6 +288,27 @@ def test_a_cell_of_the_card_is_one_line_without_markup(text):
     said = _cell(text)
     assert len(said.splitlines()) <= 1
     assert not re.search(r"[<>]|(?<!\\)(?:\\\\)*[`|\[\]]", said)
+
+
+def test_the_card_tells_how_else_models_were_asked(study, tmp_path):
+    out = copytree(study.folder, tmp_path / "study")
+    record = json.loads((out / "study.json").read_text())
+    record["config"]["chain"] = True
+    (out / "study.json").write_text(json.dumps(record))
+    verdicts = [
+        verdict.model_copy(update={"protocol": "paper", "model": "m", "kind": "model"})
+        for verdict in study.verdicts
+        if verdict.model == study.verdicts[0].model
+    ]
+    drives = published_drives(asked_drives(study), {})
+    board = leaderboard(verdicts, study.episodes, study.scenarios)
+    text = card(Study.open(out), board, drives, "cc0-1.0", {})
+    assert "| m (the paper's questions) |" in text
+    assert "`--chain`" in text
+    assert "The paper's questions are others" in text
+    plain = card(study, study.leaderboard(), drives, "cc0-1.0", {})
+    assert "`--chain`" not in plain
+    assert "paper's questions" not in plain
 
 
 @pytest.mark.parametrize(
