@@ -18,6 +18,7 @@ from oodscen.data._issues import same_length
 from oodscen.data._scenario import Scenario
 from oodscen.encoders._similarity import Vectors
 from oodscen.metrics._diversity import Diversity, mean_nearest, mean_pairwise
+from oodscen.metrics._groups import paths_of
 from oodscen.metrics._metrics import Metrics
 from oodscen.metrics._oodness import Measure
 from oodscen.metrics._rarity.estimates import Rarity
@@ -148,7 +149,7 @@ def measurements(
 ) -> Measurements:
     """Return everything that a study measures of its sets of texts; empty sets are left out.
 
-    Texts of one leaf are resampled together. `leaves` are the labels of the diverse tree's leaves by id.
+    Texts of one path are resampled together. `leaves` are the labels of the diverse tree's leaves by id.
     """
     filled = {name: texts for name, texts in sets.items() if texts}
     paths = None
@@ -161,13 +162,7 @@ def measurements(
             N=len(metrics.baseline),
             digest=metrics.baseline.digest(),
         ),
-        sets={
-            name: metrics.report(
-                [scenario.text for scenario in texts],
-                groups=[scenario.leaf for scenario in texts],
-            )
-            for name, texts in filled.items()
-        },
+        sets={name: metrics.report(texts) for name, texts in filled.items()},
         baseline_batch=metrics.baseline_batch(min(paper.BATCH, max(1, len(metrics.baseline) // 2))),
         baseline_diversity=metrics.baseline_diversity(),
         pictures=picture_data(metrics, filled),
@@ -232,12 +227,10 @@ def _detected(
     metrics: Metrics, texts: Sequence[str | Scenario], control: NDArray[np.float64]
 ) -> DetectorScores:
     values = np.array(metrics.oodness(texts, BEST).per_text)
-    leaves = [text.leaf for text in texts if isinstance(text, Scenario)]
-    clusters = leaves if len(leaves) == len(texts) else None
     return DetectorScores(
         mean=float(values.mean()),
         per_text=_rounded(values),
-        auroc=auroc_interval(control, values, clusters, seed=metrics.seed),
+        auroc=auroc_interval(control, values, paths_of(texts), seed=metrics.seed),
     )
 
 

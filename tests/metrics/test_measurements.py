@@ -27,10 +27,15 @@ def test_everything_that_a_picture_needs_is_there_and_is_plain_data():
 
 
 def test_measurements_are_read_back_and_leave_out_empty_sets():
-    texts = [Scenario(id=f"s-{i}", text=text, leaf="x") for i, text in enumerate(SETS["10"])]
-    found = measurements(Metrics(HashEncoder(), ORDINARY), {"10": texts, "20": []})
+    texts = [Scenario(id=f"s-{i}", text=text, path=("r", "x")) for i, text in enumerate(SETS["10"])]
+    metrics = Metrics(HashEncoder(), ORDINARY)
+    found = measurements(metrics, {"10": texts, "20": []})
     assert set(found.sets) == set(found.pictures.detector.sets) == {"10"}
-    assert found.sets["10"].groups["x"].n == 2
+    assert found.sets["10"] == metrics.report(texts)
+    assert found.sets["10"].groups["r / x"].n == 2
+    best = metrics.report(texts, definition=BEST).control
+    assert best is not None
+    assert found.pictures.detector.sets["10"].auroc == best.auroc
     assert Measurements.parse(found.to_json()) == found
 
 

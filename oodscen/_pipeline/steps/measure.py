@@ -55,5 +55,5 @@ def _measured(
     if run.rarity_llm is None or not groups["simulatable"]:
         return measured
     texts = groups["simulatable"]
-    rarity = metrics.rarity(texts, run.rarity_llm, groups=[scenario.leaf for scenario in texts])
+    rarity = metrics.rarity(texts, run.rarity_llm)
     return measured.model_copy(update={"asked": rarity})
