@@ -35,6 +35,7 @@ def test_that_many_scenes_have_that_power_and_fewer_less(
     found = scenes_needed(*rates, **how)
     assert found.scenes % per_path == 0
     assert power_of(*rates, found.scenes, **how) >= 0.8 - 1e-6
+    assert found.power_of(10) == pytest.approx(power_of(*rates, 10, **how), abs=1e-9)
     if found.paths > 1:
         assert power_of(*rates, found.scenes - per_path, **how) < 0.8 + 1e-6
     assert scenes_needed(*rates, **how, comparisons=5).scenes >= found.scenes
