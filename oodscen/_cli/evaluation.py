@@ -29,6 +29,7 @@ from oodscen.errors import UsageError
 from oodscen.judging._people import is_person
 
 if TYPE_CHECKING:
+    from oodscen.data._verdict import Verdict
     from oodscen.judging._leaderboard.requirements import RequirementResult
     from oodscen.llm._accounting import Ledger
     from oodscen.study._config import StudyConfig
@@ -86,8 +87,8 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
     go for all judged models if no --vlm names one. --drop and --require alone ask no model. With --json the
     grades of a requirement are the member `requirements`.
 
-    The exit code is 1 if a model judged here left an item without a usable answer. With --require it is 0 if
-    all models meet, 4 if one fails, and 5 if none fails but the scenes are too few to decide.
+    The exit code is 1 if a model judged here, or the judge, left an item without a usable answer. With --require it
+    is 0 if all models meet, 4 if one fails, and 5 if none fails but the scenes are too few to decide.
     """
     from oodscen._pipeline import RunOptions, estimate, run_study
     from oodscen._pipeline.dropping import drop_models
@@ -136,13 +137,14 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
     if evaluation.retry_failed and not evaluation.vlms:
         judged_before = set()  # All of them are judged again.
     judged_again = _verdict_names(evaluation.vlms, ledger)
-    sys.exit(
-        any(
-            verdict.status == "failed"
-            and (verdict.model in judged_again or verdict.model not in judged_before)
-            for verdict in study.verdicts
-        )
-    )
+
+    def lacks_an_answer(verdict: "Verdict") -> bool:
+        if verdict.judge_error and evaluation.judge:
+            return True
+        is_judged_here = verdict.model in judged_again or verdict.model not in judged_before
+        return is_judged_here and (verdict.status == "failed" or bool(verdict.judge_error))
+
+    sys.exit(any(map(lacks_an_answer, study.verdicts)))
 
 
 def _after_drop(name: str) -> str:

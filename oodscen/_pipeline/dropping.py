@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from oodscen._pipeline.steps.aspects import judged
+from oodscen._pipeline.steps.aspects import judged, unjudged
 from oodscen._pipeline.steps.judge import outcomes
 from oodscen._registry import make_llm
 from oodscen.data._base import canonical_json
@@ -174,6 +174,8 @@ def _recounted(study: Study, config: StudyConfig, verdicts: Sequence[Verdict]) -
     if "failures" in info:
         failed = sum(verdict.status == "failed" for verdict in verdicts)
         info["failures"] = {**info["failures"], "verdicts": failed}
+        if "opinions" in info["failures"]:
+            info["failures"]["opinions"] = unjudged(verdicts)
         if info.get("status") == "incomplete" and not any(info["failures"].values()):
             info["status"] = "success"
     return info

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from oodscen._members import reason
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.options import RunOptions
-from oodscen._pipeline.steps.aspects import judged
+from oodscen._pipeline.steps.aspects import judged, unjudged
 from oodscen._pipeline.steps.compare import compare_catalogues
 from oodscen._pipeline.steps.judge import evaluate, outcomes
 from oodscen._pipeline.steps.measure import measure, unanswered
@@ -236,6 +236,8 @@ class Pipeline:
             counts["ordinary"] = len(without_twin(self.store, self.config))
         if self.context.rarity_llm is not None:
             counts["rarity"] = unanswered(self.study)
+        if self.config.judge:
+            counts["opinions"] = unjudged(self.study.verdicts)
         return counts
 
     def _times(self, run_s: Mapping[str, float]) -> dict[str, float]:

@@ -143,7 +143,7 @@ def read(study: Study) -> Material:
 
 
 def _note_unanswered(material: Material) -> None:
-    """Add the texts to which a model gave no ordinary twin, or no rarity, as failed items."""
+    """Add what a model did not give, as failed items: ordinary twins, rarities and opinions."""
     counted = mapping(material.info.get("failures"))
     if counted.get("ordinary"):
         largest = max(material.texts, key=int, default="")
@@ -152,6 +152,11 @@ def _note_unanswered(material: Material) -> None:
             for text in (*material.scenarios, *material.texts.get(largest, ()))
             if text.ordinary is None
         ]
+    material.failures += [
+        FailedItem("opinions", verdict.id, f"scored by the matcher: {verdict.judge_error}")
+        for verdict in material.verdicts
+        if verdict.judge_error
+    ]
     rarity = material.metrics.asked if material.metrics else None
     # Answers belong to texts only as long as there are as many of both.
     if counted.get("rarity") and rarity and len(rarity.per_text) == len(material.scenarios):

@@ -36,6 +36,7 @@ _STAGES = {
     "scenes": "scenes",
     "episodes": "episodes",
     "verdicts": "judgements",
+    "opinions": "opinions of the judge",
 }
 
 

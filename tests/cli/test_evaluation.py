@@ -46,6 +46,16 @@ def test_a_model_without_usable_answers_exits_with_1_and_later_ones_do_not(study
     assert {row["model"] for row in json.loads(later.stdout)["standings"]} >= {"random", "oracle"}
 
 
+def test_a_judge_without_usable_answers_exits_with_1(study, tmp_path) -> None:
+    other = Exchange(purpose="another-question", messages=(), answer="nothing")
+    (tmp_path / "mute.jsonl").write_text(other.to_json() + "\n")
+    found = invoke("evaluate", study, "--judge", f"replay:{tmp_path / 'mute.jsonl'}")
+    assert found.exit_code == 1
+    assert "the judge: no usable answer about" in found.output
+    assert Study.open(study).info["status"] == "incomplete"
+    assert invoke("evaluate", study, "--vlm", "random").exit_code == 1
+
+
 def answered(study, tmp_path, name, action="stop"):
     """Return a file with a person's answers to all drives of a study."""
     items = payload(write_quiz(Study.open(study), tmp_path / "quiz.html").read_text())["items"]

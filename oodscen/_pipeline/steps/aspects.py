@@ -83,6 +83,11 @@ def _of_other_judges(
     )
 
 
+def unjudged(verdicts: Iterable[Verdict]) -> int:
+    """Return the number of open aspects about which the judge gave no usable answer."""
+    return sum(bool(verdict.judge_error) for verdict in verdicts)
+
+
 def judged(
     verdicts: Sequence[Verdict], opinions: Iterable[Mapping[str, Any]] = ()
 ) -> dict[str, dict[str, int]]:
@@ -97,7 +102,7 @@ def judged(
     """
     counts = {
         "judged": sum(bool(verdict.judge) for verdict in verdicts),
-        "matched": sum(bool(verdict.judge_error) for verdict in verdicts),
+        "matched": unjudged(verdicts),
     }
     label = next((verdict.judge for verdict in verdicts if verdict.judge), "")
     if label:

@@ -20,6 +20,7 @@ from oodscen.errors import BudgetExceeded, DataError, LLMError, UsageError
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.judging._leaderboard.board import Leaderboard
 from oodscen.llm._remote.limits import Limits
+from oodscen.report._load import read
 from oodscen.report._quiz import draw_drives, write_quiz
 from oodscen.study._stale_verdicts import OPINIONS
 from oodscen.testing import AnsweringServer, ScriptedLLM
@@ -358,9 +359,15 @@ def test_a_judge_named_later_scores_every_open_aspect_alike_and_is_asked_once(fo
     unjudged = sum(row.identification.unjudged for row in board.standings)
     assert unjudged == sum(bool(verdict.judge_error) for verdict in first.verdicts) > 0
     assert first.info["counts"]["judged"]["matched"] == unjudged
+    assert first.info["failures"]["opinions"] == unjudged
+    assert first.info["status"] == "incomplete"
+    listed = [item for item in read(first).failures if item.stage == "opinions"]
+    assert len(listed) == unjudged
 
     broken = False
     study = run_study(folder, config, models=models, retry=True)
+    assert study.info["failures"]["opinions"] == 0
+    assert study.info["status"] == "success"
     counted = Counter(question for question in questions if question[0] != "something odd")
     assert set(counted.values()) == {1}
     assert len(seen.requests) == asked
