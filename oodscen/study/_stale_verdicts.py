@@ -90,6 +90,10 @@ class VerdictRule:
             return verdict.status == "failed" and all(
                 getattr(verdict, name) is None for name in _SCORES
             )
+        if verdict.choice is not None:
+            options = self.keys.of(episode, verdict.protocol).options
+            if verdict.choice not in {option.id for option in options}:
+                return False
         return verdict.action is None or verdict.action in (episode.actions or ACTIONS)
 
     def belongs(self, verdict: Verdict, opinions: Mapping[str, Opinion]) -> bool:

@@ -100,6 +100,7 @@ EDITS = [
     *({"made_from": value} for value in ("0" * 64, "")),
     *({"action": value} for value in ("drive_into_wall", None, "")),
     *({"is_ood": value} for value in (None,)),
+    {"choice": "no-such-kind"},
     *({name: "other"} for name in ("success", "action_is_safe", "choice_is_right")),
     *({name: "other"} for name in ("thing_is_right", "aspect_is_right", "is_ordinary")),
     {"action_is_marginal": "other"},
@@ -138,11 +139,12 @@ def test_every_edit_of_a_verdict_is_seen_and_no_other_verdict_is(judged, data):
     [
         {"made_from": "0" * 64},
         {"action": "drive_into_wall"},
+        {"choice": "no-such-kind"},
         {"is_ood": None},
         {"success": True, "action_is_safe": True, "action_is_marginal": True},
         {"status": "failed"},
     ],
-    ids=("foreign", "action", "no answer", "scores", "status"),
+    ids=("foreign", "action", "choice", "no answer", "scores", "status"),
 )
 def test_readers_refuse_in_one_line_and_the_run_mends_it(out, tmp_path, values):
     assert change(out, "mine", **values) == stale(out)
