@@ -94,7 +94,8 @@ class VerdictRule:
             options = self.keys.of(episode, verdict.protocol).options
             if verdict.choice not in {option.id for option in options}:
                 return False
-        return verdict.action is None or verdict.action in (episode.actions or ACTIONS)
+        # Every action is offered, also where the simulator did not try it.
+        return verdict.action is None or verdict.action in {*ACTIONS, *episode.actions}
 
     def belongs(self, verdict: Verdict, opinions: Mapping[str, Opinion]) -> bool:
         """Return whether a verdict belongs to its drive and is scored as its answers are.

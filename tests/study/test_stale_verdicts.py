@@ -226,3 +226,17 @@ def test_some_names_and_the_remedy_are_told_on_one_line(judged, count):
     assert words.endswith(REMEDY.format("it" if count == 1 else "them"))
     assert "\n" not in words
     assert sum(name in words for name in names) <= 6
+
+
+@pytest.mark.parametrize("table", ["episodes.jsonl", "episodes.paper.jsonl"])
+def test_an_action_that_a_simulator_did_not_try_can_still_be_chosen(out, table):
+    store = Study.open(out).store
+    lines = list(store.lines(table))
+    for line in lines:
+        for part in (line["actions"], line["sketch"]["paths"], line["sketch"]["ends"]):
+            del part["slow_down"]
+    store.write_lines(table, lines)
+    study = run_study(out, CONFIG, models=models())
+    assert all("slow_down" not in line["actions"] for line in store.lines(table))
+    chosen = {verdict.action for verdict in study.verdicts if verdict.model == "constant:slow_down"}
+    assert chosen == {"slow_down"}
