@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from itertools import compress
 
 import numpy as np
+from numpy.typing import NDArray
 
 from oodscen._seeding import stream
 from oodscen.data._base import Data
@@ -36,9 +37,9 @@ class PairedTest(Data):
     """Items that only the first got right."""
     second_only: int
     difference: float
-    """The first's share of right answers minus the second's, on the common items."""
+    """The first's share of right answers minus the second's, on the common items; of two classes the mean share."""
     p_mcnemar: float
-    """Mid-p of McNemar's test; takes items as independent."""
+    """Mid-p of McNemar's test; takes items as independent, and all alike."""
     p_exact: float
     """p of McNemar's exact test; never smaller than mid-p."""
     p_clustered: float
@@ -67,7 +68,12 @@ def mcnemar(first_only: int, second_only: int) -> tuple[float, float]:
 
 
 def paired_test(
-    first: Floats, second: Floats, clusters: Sequence[str] | None = None, *, seed: int = 0
+    first: Floats,
+    second: Floats,
+    clusters: Sequence[str] | None = None,
+    *,
+    classes: NDArray[np.bool_] | None = None,
+    seed: int = 0,
 ) -> PairedTest:
     """Return the comparison of two answerers on the items that both answered.
 
@@ -75,10 +81,14 @@ def paired_test(
         first: [n] 1 if right, 0 if wrong, NaN if there is no answer.
         second: [n], in the same order.
         clusters: [n] labels; without them every item is a cluster of its own.
+        classes: [n] the items of one of two classes that weigh alike in the difference and in `p_clustered`, however
+            many items each has, as in balanced accuracy.
         seed: Seed of the permutations.
     """
     has_both = np.isfinite(first) & np.isfinite(second)
     gaps = first[has_both] - second[has_both]
+    if classes is not None:
+        gaps = gaps * _balancing_weights(classes[has_both])
     labels = None if clusters is None else list(compress(clusters, has_both))
     first_only, second_only = int((gaps > 0).sum()), int((gaps < 0).sum())
     exact, mid = mcnemar(first_only, second_only)
@@ -86,11 +96,19 @@ def paired_test(
         n=len(gaps),
         first_only=first_only,
         second_only=second_only,
-        difference=float(gaps.mean()) if len(gaps) else 0.0,
+        difference=float(np.sort(gaps).mean()) if len(gaps) else 0.0,
         p_mcnemar=mid,
         p_exact=exact,
         p_clustered=sign_flip(gaps, labels, seed=seed),
     )
+
+
+def _balancing_weights(classes: NDArray[np.bool_]) -> Floats:
+    """Return [n] weights of mean 1 that give both classes the same sum; all are 1 if one class is empty."""
+    n, size = len(classes), int(classes.sum())
+    if size in (0, n):
+        return np.ones(n)
+    return np.where(classes, n / (2 * size), n / (2 * (n - size)))
 
 
 def sign_flip(
@@ -107,7 +125,8 @@ def sign_flip(
     """
     sums: Floats = np.zeros(0)
     if len(gaps):
-        sums = np.bincount(cluster_numbers(len(gaps), clusters), weights=gaps).astype(np.float64)
+        order, numbers = np.argsort(gaps), cluster_numbers(len(gaps), clusters)
+        sums = np.bincount(numbers[order], weights=gaps[order]).astype(np.float64)
     sums = np.sort(sums[np.abs(sums) > _EQUAL])
     if not len(sums):
         return 1.0

@@ -57,6 +57,31 @@ def test_swapping_two_answerers_changes_the_sign_only() -> None:
     assert one.p_clustered == pytest.approx(two.p_clustered)
 
 
+ANSWERS = st.sampled_from((0.0, 1.0, float("nan")))
+
+
+@given(
+    st.lists(st.tuples(ANSWERS, ANSWERS, st.booleans(), st.integers(0, 3)), min_size=1),
+    st.randoms(use_true_random=False),
+)
+def test_two_classes_weigh_alike_as_in_balanced_accuracy(items, random) -> None:
+    def compared(rows):
+        first, second, classes, paths = map(np.array, zip(*rows, strict=True))
+        labels = [str(path) for path in paths]
+        return paired_test(first, second, labels, classes=classes), (first, second, classes)
+
+    found, (first, second, classes) = compared(items)
+    has_both = np.isfinite(first) & np.isfinite(second)
+    sides = [side & has_both for side in (classes, ~classes) if (side & has_both).any()]
+    shares = [first[side].mean() - second[side].mean() for side in sides]
+    assert found.difference == pytest.approx(np.mean(shares) if shares else 0.0)
+    moved = random.sample(items, len(items))
+    assert compared(moved)[0] == found
+    if len({int(side.sum()) for side in sides}) == 1:
+        plain = paired_test(first, second, [str(path) for *_, path in items])
+        assert found == plain
+
+
 @settings(max_examples=30)
 @given(st.lists(st.integers(-2, 9), min_size=4, max_size=18), st.booleans(), st.data())
 def test_the_order_of_the_items_changes_no_p(gaps: list[int], clustered: bool, data) -> None:

@@ -64,13 +64,14 @@ def _pair(
     right, right_other = sheet.right(task, items), other.right(task, items)
     is_unlike = sheet.scored_unlike(other) & (task == "open")
     right = np.where(is_unlike, np.nan, right)
-    test = paired_test(right, right_other, items.clusters, seed=seed)
+    # The figure of detection is balanced accuracy.
+    classes = items.is_scene if task == "detection" else None
+    test = paired_test(right, right_other, items.clusters, classes=classes, seed=seed)
     is_missing = sheet.unanswered(task, items) & ~is_unlike
     worst = test
     if test.n and is_missing.any():
-        worst = paired_test(
-            np.where(is_missing, 0.0, right), right_other, items.clusters, seed=seed
-        )
+        at_worst = np.where(is_missing, 0.0, right)
+        worst = paired_test(at_worst, right_other, items.clusters, classes=classes, seed=seed)
     return _Pair(first.model, second.model, test, int(is_missing.sum()), worst)
 
 

@@ -253,3 +253,22 @@ def test_chance_is_that_of_the_scenes_that_were_answered(answered: int) -> None:
     found = leaderboard(case.verdicts("m", some), case.episodes, case.scenarios).standings[0]
     assert found.control.chance == (pytest.approx(2 / 7) if answered else None)
     assert found.control.above_chance.n == answered
+
+
+def test_models_are_compared_by_their_balanced_accuracy(story: Story) -> None:
+    pairs = [one for one in story.board.comparisons if one.task == "detection"]
+    between = [one for one in pairs if one.against == "model"]
+    assert len(between) == 1
+    called: dict[str, dict[str, bool]] = {"a": {}, "b": {}}
+    for one in story.given:
+        if one.protocol == "ours" and one.scene_id in story.ran and one.is_ood is not None:
+            called[one.model][one.scene_id] = one.is_ood
+    common = called["a"].keys() & called["b"].keys()
+    gaps: dict[bool, list[int]] = {True: [], False: []}
+    for name in common:
+        gap = int(called["a"][name]) - int(called["b"][name])
+        is_twin = name.endswith("~twin")
+        gaps[is_twin].append(-gap if is_twin else gap)
+    shares = [sum(side) / len(side) for side in gaps.values() if side]
+    sign = 1 if between[0].first == "a" else -1
+    assert between[0].test.difference == pytest.approx(sign * sum(shares) / len(shares))
