@@ -20,10 +20,7 @@ from oodscen.driving._motion.lane_keeping import (
     smooth,
     speed_up,
 )
-from oodscen.driving._roads.track import (
-    centre,
-    drivable_range,
-)
+from oodscen.driving._roads.track import centre, drivable_range
 from oodscen.numerics._exact import PI, TAU, quantised, sin, wrapped
 from oodscen.numerics._kernels import part
 
@@ -33,6 +30,7 @@ _PASSED_M = 15.0
 
 @part
 def drive(w: Situation, i: int, code: int, waited: float) -> None:
+    """Move an actor along its lane by one step; `waited` is the time since its trigger, negative before."""
     traits = w.traits
     if code == Code.WRONG_WAY:
         keep_lane(w, i, speed_up(w, i, 2.0, desired_speed(w, i)), 0.0, 0.0)
@@ -137,7 +135,7 @@ def _overtake(w: Situation, i: int, waited: float) -> None:
     aside = w.state[i, col.MEMORY]
     if waited >= 0.0:
         step = w.dt / sideways_duration(w, w.traits[i, col.LATERAL], 2.5)
-        ahead = (w.state[i, col.S] - w.paths[0, 0]) * w.codes[i, col.DIRECTION]
+        ahead = (w.state[i, col.S] - w.paths[0, col.PATH_S]) * w.codes[i, col.DIRECTION]
         aside = max(0.0, aside - step) if ahead > _PASSED_M else min(1.0, aside + step)
         w.state[i, col.MEMORY] = quantised(aside)
     shift = _within_road(w, i, smooth(aside) * w.traits[i, col.LATERAL])

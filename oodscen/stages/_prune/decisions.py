@@ -1,15 +1,13 @@
 """Decisions of pruning: one per node, and what follows from those on the leaves."""
 
 from collections.abc import Iterable, Sequence
-from typing import Any, Literal
-
-from pydantic import SerializerFunctionWrapHandler, model_serializer
+from typing import Any, ClassVar, Literal
 
 from oodscen._arguments import checked
 from oodscen._display import cut
 from oodscen._paper import attestation
 from oodscen.data._additions import Addition
-from oodscen.data._base import Data
+from oodscen.data._base import Data, LeanData
 from oodscen.errors import UsageError
 from oodscen.tree._scenario_tree import Node, ScenarioTree, TreeEdit
 
@@ -31,8 +29,10 @@ class SubstitutedAsset(Data):
     stands_for: str
 
 
-class PruneDecision(Data):
+class PruneDecision(LeanData):
     """The decision about one node, with its reason."""
+
+    _left_out: ClassVar = ("made", "made_as")
 
     id: str
     """Id of the node."""
@@ -76,14 +76,6 @@ class PruneDecision(Data):
     """Name of the model that judged; empty for inner nodes, which follow from their leaves."""
     prompt: str = ""
     """The question that the model was asked: `purpose@version`."""
-
-    @model_serializer(mode="wrap")
-    def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        value: dict[str, Any] = serialise(self)
-        for name in ("made", "made_as"):
-            if not value.get(name):
-                value.pop(name, None)
-        return value
 
 
 @checked
