@@ -44,7 +44,7 @@ class PruneDecision(LeanData):
     """True if a failed question may succeed later."""
     reason: str = ""
     match: Match | None = None
-    """`None` if the question failed."""
+    """`None` if the question failed; for an inner node, if one below it failed and nothing is kept."""
     label: str = ""
     """The node's narrower label, if only a part of it can be shown."""
     assets: tuple[str, ...] = ()
@@ -135,11 +135,14 @@ def decisions_on_nodes(
 def _of_inner(node: Node, children: Sequence[PruneDecision]) -> PruneDecision:
     """Return the decision on a node that is no leaf, which follows from those on its children."""
     kept = [child for child in children if child.keep]
+    unjudged = sum(child.match is None and not child.keep for child in children)
     matches = {child.match for child in children}
-    match: Match = "part" if kept else "none"
+    match: Match | None = "part" if kept else None if unjudged else "none"
     if kept and matches <= {"full", "substitute"}:
         match = "substitute" if "substitute" in matches else "full"
     reason = f"{len(kept)} of {len(children)} branches can be shown"
+    if unjudged:
+        reason += f", and {unjudged} could not be judged"
     return PruneDecision(
         id=node.id,
         path=(),
