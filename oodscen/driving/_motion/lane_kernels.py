@@ -147,8 +147,12 @@ def turn_round(w: Situation, i: int) -> None:
     """Make a U-turn to the left on a circular arc, then drive straight on."""
     state, speed = w.state, w.traits[i, col.GOAL]
     duration = max(w.traits[i, col.DURATION], PI * speed / grip(w))
-    done = state[i, col.MEMORY]
-    turn = min(PI / duration * w.dt, PI - done)
+    before, done = state[i, col.SPEED], state[i, col.MEMORY]
+    distance = speed_up(w, i, 2.0, speed)
+    # An actor that is slower drives the same arc: none turns on the spot.
+    usual = quantised(speed)
+    pace = 0.5 * (before + state[i, col.SPEED]) / usual if usual > 0.0 else 0.0
+    turn = min(pace * PI / duration * w.dt, PI - done)
     state[i, col.MEMORY] = quantised(done + turn)
     state[i, col.HEADING] = quantised(wrapped(state[i, col.HEADING] + turn))
-    move(w, i, speed_up(w, i, 2.0, speed))
+    move(w, i, distance)
