@@ -120,13 +120,13 @@ def _weave(w: Situation, i: int, waited: float) -> float:
 
 @part
 def _within_road(w: Situation, i: int, shift: float) -> float:
-    """Return the shift, limited so that the actor stays on drivable road."""
+    """Return the shift, limited so that it takes no part of the actor off the drivable road."""
     own = centre(w.track, w.codes[i, col.LANE], w.state[i, col.S]) + w.traits[i, col.OFFSET]
     is_road, low, high = drivable_range(w.track, w.state[i, col.S], own)
     if not is_road:
         return shift
     half = 0.5 * w.traits[i, col.WIDTH]
-    return min(max(shift, low + half - own), high - half - own)
+    return min(max(shift, min(0.0, low + half - own)), max(0.0, high - half - own))
 
 
 @part

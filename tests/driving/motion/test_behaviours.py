@@ -292,6 +292,13 @@ def test_u_turn_drives_back_on_the_left() -> None:
     assert body.speed == 5.0
 
 
+@pytest.mark.parametrize("name", ["drift", "overtake"])
+def test_a_truck_beyond_the_edge_of_the_road_is_not_drawn_onto_it(name) -> None:
+    truck = actor("a", "truck", name, offset=-2.0, trigger=LATER, lateral=-1.0)
+    for seconds in (1.5, 4.0):
+        assert offset(run(truck, seconds, map="rural_hill")) == pytest.approx(-2.0, abs=1e-3)
+
+
 @given(st.floats(0, 10), st.floats(2, 12), st.floats(6, 30))
 def test_no_vehicle_turns_round_faster_than_its_arc_lets_it(speed, duration, gap) -> None:
     turning = {"speed": speed, "duration": duration}
