@@ -27,6 +27,7 @@ from oodscen._cli.summaries import estimated, exit_code, graded, kept_verdicts, 
 from oodscen.data._verdict import without_pictures
 from oodscen.errors import UsageError
 from oodscen.judging._people import is_person
+from oodscen.judging._references import ALWAYS
 
 if TYPE_CHECKING:
     from oodscen.data._verdict import Verdict
@@ -149,6 +150,8 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
 
 def _after_drop(name: str) -> str:
     """Say what remains of a row that was taken out, and how it comes back."""
+    if name in ALWAYS:
+        return "its row stays, as it is a reference of every study"
     if is_person(name):
         return "its answers stay in people.jsonl; to judge them again, give the file again (--answers FILE)"
     return "its answers stay in answers.jsonl, and judging it again uses them unless --retry-failed is given"

@@ -88,9 +88,17 @@ class Resampler:
         )
 
     def summed(self, values: Floats) -> Floats:
-        """Return the sums of [n, m] values within clusters: [units, m]."""
+        """Return the sums of [n, m] values within clusters: [units, m].
+
+        Values are added from the lowest, so that the order of the items does not change how the sums are rounded.
+        """
         sums = np.zeros((self.units, values.shape[1]))
-        np.add.at(sums, self.cluster, values)
+        ranks = np.argsort(values, axis=0)
+        np.add.at(
+            sums,
+            (self.cluster[ranks], np.arange(values.shape[1])),
+            np.take_along_axis(values, ranks, axis=0),
+        )
         return sums
 
     def _draws(self, widest: int) -> Iterator[Floats]:

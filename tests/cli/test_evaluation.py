@@ -147,6 +147,22 @@ def test_a_model_is_dropped_without_asking_anybody_and_others_can_be_judged_at_o
     assert invoke("evaluate", study).exit_code == 2
 
 
+def test_a_reference_that_is_named_as_a_model_stays_a_reference(study) -> None:
+    def judged():
+        return {
+            (one.scene_id, one.protocol)
+            for one in Study.open(study).verdicts
+            if one.model == "random"
+        }
+
+    before = judged()
+    assert invoke("evaluate", study, "--vlm", "random", "--protocol", "paper").exit_code == 0
+    assert judged() > before
+    dropped = invoke("evaluate", study, "--drop", "random")
+    assert judged() > before
+    assert "random is taken out with 0 verdicts; its row stays" in dropped.stderr
+
+
 def test_a_command_that_is_refused_takes_no_model_out(study, tmp_path) -> None:
     judged(study, "bad")
     before = (study / "verdicts.jsonl").read_bytes()

@@ -215,6 +215,16 @@ def test_the_flat_simulator_keeps_the_protocol() -> None:
     assert told == [("check", done, len(PARTS)) for done in range(len(PARTS) + 1)]
 
 
+@pytest.mark.parametrize("name", ["Carla/Maps/Town10HD", "Rue de l’Église", "x" * 300])
+def test_maps_may_have_names_that_no_scene_can_have(name) -> None:
+    class Foreign(Small):
+        def catalogue(self):
+            road = SHIPPED_MAPS[0].model_copy(update={"id": name})
+            return SMALL.model_copy(update={"maps": (road,)})
+
+    check_simulator(Foreign, parts=("determinism",))
+
+
 def test_unknown_parts_are_refused() -> None:
     with pytest.raises(UnknownComponent):
         check_simulator(FlatSimulator, parts=("framez",))

@@ -5,6 +5,7 @@ import re
 from collections.abc import Container, Iterable, Sequence
 from typing import NamedTuple
 
+from oodscen._wording import is_left_out
 from oodscen.data import (
     Actor,
     Behaviour,
@@ -48,7 +49,8 @@ class Motion(NamedTuple):
 
 def name_of(role: str, actor_id: int, taken: Container[str]) -> str:
     """Return the name of a client's actor in pictures: its role, if that is telling and not taken."""
-    return role if _ROLE.fullmatch(role) and role not in taken else f"a{actor_id}"
+    is_telling = _ROLE.fullmatch(role) and not is_left_out(role)
+    return role if is_telling and role not in taken else f"a{actor_id}"
 
 
 def lit_vehicles(actors: Iterable[ServerActor]) -> tuple[LitVehicle, ...]:
@@ -60,35 +62,32 @@ def lit_vehicles(actors: Iterable[ServerActor]) -> tuple[LitVehicle, ...]:
     )
 
 
-def lit_actors(lit: Iterable[LitVehicle]) -> tuple[Actor, ...]:
-    """Return lit vehicles as actors of a scene: they drive, and so have their lamps on in the dark."""
-    actors = {
-        vehicle.name: Actor(
-            id=vehicle.name,
-            asset=vehicle.asset,
-            placement=Placement(ahead_m=0.0),
-            behaviour=Behaviour(name="follow_route"),
-        )
-        for vehicle in lit
-    }
-    return tuple(actors.values())
-
-
-def street_scene(
-    road_map: RoadMap, catalogue: Catalogue, weather: Weather, lit: Iterable[LitVehicle]
-) -> Scene:
-    """Return a scene without a hazard, by which a simulator draws a road, its weather and lit vehicles."""
+def street_scene(road_map: RoadMap, catalogue: Catalogue) -> Scene:
+    """Return a scene without a hazard, by which a simulator draws a road."""
     map_ids = {each.id for each in catalogue.maps}
     return Scene(
         id="carla",
         scenario_id="carla",
         map=road_map.id if road_map.id in map_ids else road_map.file,
         ego=Ego(speed=0.0),
-        weather=weather,
-        actors=lit_actors(lit),
-        hazard=Hazard(weather=weather),
+        hazard=Hazard(weather=Weather()),
         decision=Trigger(),
     )
+
+
+def pictured_scene(scene: Scene, weather: Weather, lit: Iterable[LitVehicle]) -> Scene:
+    """Return a scene in a weather and with lit vehicles, for pictures only: it may hold more actors than others."""
+    drivers = [
+        Actor(
+            id=vehicle.name,
+            asset=vehicle.asset,
+            placement=Placement(ahead_m=0.0),
+            # Lamps are on in the dark for every behaviour but standing; those in a lane also hold the brake.
+            behaviour=Behaviour(name="follow_route"),
+        )
+        for vehicle in lit
+    ]
+    return scene.model_copy(update={"weather": weather, "actors": (*scene.actors, *drivers)})
 
 
 def staged_body(actor: ServerActor, motion: Motion) -> PicturedBody:

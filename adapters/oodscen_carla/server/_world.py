@@ -25,12 +25,11 @@ from oodscen_carla.server._blueprints import (
 from oodscen_carla.server._cameras import PicturedBody
 from oodscen_carla.server._collisions import Pair, collide
 from oodscen_carla.server._depiction import (
-    LitVehicle,
     Motion,
     client_body,
-    lit_actors,
     lit_vehicles,
     name_of,
+    pictured_scene,
     staged_body,
     street_scene,
 )
@@ -193,16 +192,13 @@ class World:
         lit = lit_vehicles(self.actors.values())
         key = (self.episode, self.weather, lit)
         if self._drawn is None or self._drawn[0] != key:
-            self._drawn = (key, self._drawn_scene(lit))
+            scene = (
+                street_scene(self.map.road_map, self.catalogue)
+                if self.staged is None
+                else self.staged.scene
+            )
+            self._drawn = (key, pictured_scene(scene, self._shown_weather(), lit))
         return self._drawn[1]
-
-    def _drawn_scene(self, lit: tuple[LitVehicle, ...]) -> Scene:
-        weather = self._shown_weather()
-        if self.staged is not None:
-            scene = self.staged.scene
-            actors = (*scene.actors, *lit_actors(lit))
-            return scene.model_copy(update={"weather": weather, "actors": actors})
-        return street_scene(self.map.road_map, self.catalogue, weather, lit)
 
     def spawn(self, description: Description, place: Transform, parent: int) -> ServerActor:
         """Add an actor; what is attached to another collides with nothing.

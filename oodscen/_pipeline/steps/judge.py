@@ -243,11 +243,12 @@ def _answerers(
 def _protocols(run: Context, name: str, model: LLM) -> tuple[Protocol, ...]:
     """Return the protocols that an answerer is judged by.
 
-    References are judged by all, people and models without pictures by ours.
+    References of every study are judged by all, also where one is named as a model; people and models without
+    pictures by ours.
     """
     if isinstance(model, PersonAnswers):
         return ("ours",)
-    if name in run.config.vlms:
+    if name in run.config.vlms and name not in NAMED:
         return run.config.protocols_of(name)
     return ("ours",) if is_without_pictures(name) else ("ours", "paper")
 

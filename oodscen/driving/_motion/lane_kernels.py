@@ -20,10 +20,7 @@ from oodscen.driving._motion.lane_keeping import (
     smooth,
     speed_up,
 )
-from oodscen.driving._roads.track import (
-    centre,
-    drivable_range,
-)
+from oodscen.driving._roads.track import centre, drivable_range
 from oodscen.numerics._exact import PI, TAU, quantised, sin, wrapped
 from oodscen.numerics._kernels import part
 
@@ -33,6 +30,7 @@ _PASSED_M = 15.0
 
 @part
 def drive(w: Situation, i: int, code: int, waited: float) -> None:
+    """Move an actor along its lane by one step; `waited` is the time since its trigger, negative before."""
     traits = w.traits
     if code == Code.WRONG_WAY:
         keep_lane(w, i, speed_up(w, i, 2.0, desired_speed(w, i)), 0.0, 0.0)
@@ -122,13 +120,13 @@ def _weave(w: Situation, i: int, waited: float) -> float:
 
 @part
 def _within_road(w: Situation, i: int, shift: float) -> float:
-    """Return the shift, limited so that the actor stays on drivable road."""
+    """Return the shift, limited so that it takes no part of the actor off the drivable road."""
     own = centre(w.track, w.codes[i, col.LANE], w.state[i, col.S]) + w.traits[i, col.OFFSET]
     is_road, low, high = drivable_range(w.track, w.state[i, col.S], own)
     if not is_road:
         return shift
     half = 0.5 * w.traits[i, col.WIDTH]
-    return min(max(shift, low + half - own), high - half - own)
+    return min(max(shift, min(0.0, low + half - own)), max(0.0, high - half - own))
 
 
 @part
@@ -137,7 +135,7 @@ def _overtake(w: Situation, i: int, waited: float) -> None:
     aside = w.state[i, col.MEMORY]
     if waited >= 0.0:
         step = w.dt / sideways_duration(w, w.traits[i, col.LATERAL], 2.5)
-        ahead = (w.state[i, col.S] - w.paths[0, 0]) * w.codes[i, col.DIRECTION]
+        ahead = (w.state[i, col.S] - w.paths[0, col.PATH_S]) * w.codes[i, col.DIRECTION]
         aside = max(0.0, aside - step) if ahead > _PASSED_M else min(1.0, aside + step)
         w.state[i, col.MEMORY] = quantised(aside)
     shift = _within_road(w, i, smooth(aside) * w.traits[i, col.LATERAL])
@@ -149,8 +147,12 @@ def turn_round(w: Situation, i: int) -> None:
     """Make a U-turn to the left on a circular arc, then drive straight on."""
     state, speed = w.state, w.traits[i, col.GOAL]
     duration = max(w.traits[i, col.DURATION], PI * speed / grip(w))
-    done = state[i, col.MEMORY]
-    turn = min(PI / duration * w.dt, PI - done)
+    before, done = state[i, col.SPEED], state[i, col.MEMORY]
+    distance = speed_up(w, i, 2.0, speed)
+    # An actor that is slower drives the same arc: none turns on the spot.
+    usual = quantised(speed)
+    pace = 0.5 * (before + state[i, col.SPEED]) / usual if usual > 0.0 else 0.0
+    turn = min(pace * PI / duration * w.dt, PI - done)
     state[i, col.MEMORY] = quantised(done + turn)
     state[i, col.HEADING] = quantised(wrapped(state[i, col.HEADING] + turn))
-    move(w, i, speed_up(w, i, 2.0, speed))
+    move(w, i, distance)

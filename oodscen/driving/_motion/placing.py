@@ -110,7 +110,7 @@ class PlacedBodies:
         behaviour = BUILT_IN[kind.built_in] if motion is None else _KEYED
         is_held = behaviour.code in ATTACHED or (motion is not None and motion.frame == "other")
         if is_held and actor.behaviour.other is None:
-            raise ValueError(f"{actor.id!r} needs another actor to do {kind.built_in!r}")
+            raise ValueError(f"{actor.id!r} needs another actor to do {actor.behaviour.name!r}")
         defaults = {name: parameter.default for name, parameter in kind.parameters.items()}
         parameters = {**defaults, **actor.behaviour.parameters}
         lane, target, heading = self._course(actor, behaviour.code, parameters)

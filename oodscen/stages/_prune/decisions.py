@@ -1,15 +1,13 @@
 """Decisions of pruning: one per node, and what follows from those on the leaves."""
 
 from collections.abc import Iterable, Sequence
-from typing import Any, Literal
-
-from pydantic import SerializerFunctionWrapHandler, model_serializer
+from typing import Any, ClassVar, Literal
 
 from oodscen._arguments import checked
 from oodscen._display import cut
 from oodscen._paper import attestation
 from oodscen.data._additions import Addition
-from oodscen.data._base import Data
+from oodscen.data._base import Data, LeanData
 from oodscen.errors import UsageError
 from oodscen.tree._scenario_tree import Node, ScenarioTree, TreeEdit
 
@@ -31,8 +29,10 @@ class SubstitutedAsset(Data):
     stands_for: str
 
 
-class PruneDecision(Data):
+class PruneDecision(LeanData):
     """The decision about one node, with its reason."""
+
+    _left_out: ClassVar = ("made", "made_as")
 
     id: str
     """Id of the node."""
@@ -44,7 +44,7 @@ class PruneDecision(Data):
     """True if a failed question may succeed later."""
     reason: str = ""
     match: Match | None = None
-    """`None` if the question failed."""
+    """`None` if the question failed; for an inner node, if one below it failed and nothing is kept."""
     label: str = ""
     """The node's narrower label, if only a part of it can be shown."""
     assets: tuple[str, ...] = ()
@@ -76,14 +76,6 @@ class PruneDecision(Data):
     """Name of the model that judged; empty for inner nodes, which follow from their leaves."""
     prompt: str = ""
     """The question that the model was asked: `purpose@version`."""
-
-    @model_serializer(mode="wrap")
-    def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        value: dict[str, Any] = serialise(self)
-        for name in ("made", "made_as"):
-            if not value.get(name):
-                value.pop(name, None)
-        return value
 
 
 @checked
@@ -143,11 +135,14 @@ def decisions_on_nodes(
 def _of_inner(node: Node, children: Sequence[PruneDecision]) -> PruneDecision:
     """Return the decision on a node that is no leaf, which follows from those on its children."""
     kept = [child for child in children if child.keep]
+    unjudged = sum(child.match is None and not child.keep for child in children)
     matches = {child.match for child in children}
-    match: Match = "part" if kept else "none"
+    match: Match | None = "part" if kept else None if unjudged else "none"
     if kept and matches <= {"full", "substitute"}:
         match = "substitute" if "substitute" in matches else "full"
     reason = f"{len(kept)} of {len(children)} branches can be shown"
+    if unjudged:
+        reason += f", and {unjudged} could not be judged"
     return PruneDecision(
         id=node.id,
         path=(),

@@ -7,6 +7,7 @@ from oodscen.data._catalogue import Catalogue, RoadMap
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
 from oodscen.driving._checked_simulator import scene_copy
 from oodscen.protocols import Camera, Control, Frame, Observation, Simulator
+from oodscen.tree._labels import slug
 
 SMALL = Camera(width=160, height=120)
 """The camera of the checks."""
@@ -51,7 +52,7 @@ def plain_scene(catalogue: Catalogue, road: RoadMap, weather: Weather | None = N
             )
             actors.append(actor)
     scene = sample_scene(road, tuple(actors), weather=weather)
-    return scene.model_copy(update={"id": f"check-{road.id}"})
+    return scene.model_copy(update={"id": f"check-{slug(road.id)}"})
 
 
 def constantly(control: Control) -> Callable[[object], Control]:

@@ -292,6 +292,30 @@ def test_u_turn_drives_back_on_the_left() -> None:
     assert body.speed == 5.0
 
 
+@pytest.mark.parametrize("name", ["drift", "overtake"])
+def test_a_truck_beyond_the_edge_of_the_road_is_not_drawn_onto_it(name) -> None:
+    truck = actor("a", "truck", name, offset=-2.0, trigger=LATER, lateral=-1.0)
+    for seconds in (1.5, 4.0):
+        assert offset(run(truck, seconds, map="rural_hill")) == pytest.approx(-2.0, abs=1e-3)
+
+
+@given(st.floats(0, 10), st.floats(2, 12), st.floats(6, 30))
+def test_no_vehicle_turns_round_faster_than_its_arc_lets_it(speed, duration, gap) -> None:
+    turning = {"speed": speed, "duration": duration}
+    car = actor("a", "car", "u_turn", lane=1, ahead=60.0, trigger=LATER, **turning)
+    result = world(scene(car, actor("b", lane=1, ahead=60.0 - gap), speed=0.0))
+    before = result.motion("a")
+    for _ in range(round(8.0 / result.dt)):
+        result.step(Control())
+        after = result.motion("a")
+        distance = 0.5 * (before.speed + after.speed) * result.dt
+        if result.time > LATER.value + 1e-6:
+            turned = abs(math.remainder(after.heading - before.heading, math.tau))
+            assert turned * speed * duration <= math.pi * distance + 1e-3
+            assert distance > 0.0 or turned == 0.0
+        before = after
+
+
 def test_walkers_cover_their_distance_and_stop() -> None:
     result = run(actor("a", "adult", "cross_road", offset=-4, heading=90.0, distance=9.0), 12.0)
     body = result.motion("a")

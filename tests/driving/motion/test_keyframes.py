@@ -187,6 +187,12 @@ def test_what_comes_on_has_its_speed_from_the_start(
     assert world.motion("thing").speed == pytest.approx(speed, abs=1e-4)
 
 
+def test_what_nobody_carries_is_refused_by_the_name_of_its_motion() -> None:
+    motion = made(body="loose", frame="other", keys=[{"at": 0, "up": 1.0}])
+    with pytest.raises(ValueError, match="'thing' needs another actor to do 'moves'"):
+        world_of(scene_of(motion, other=None))
+
+
 def test_what_another_body_carries_goes_at_that_ones_speed_and_steps_off_at_its_own() -> None:
     motion = made(
         body="person", frame="other", keys=[{"at": 0, "up": 1.4}, {"at": 2, "left": -3, "up": 1}]

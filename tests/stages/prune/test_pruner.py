@@ -82,6 +82,25 @@ def test_a_leaf_without_a_decision_is_not_dropped_in_silence():
             function(tree, judged)
 
 
+@given(st.lists(st.integers(0, 50), min_size=1, max_size=20), st.data())
+def test_a_branch_is_called_impossible_only_if_all_below_it_was_judged(parents, data):
+    tree = grown(parents)
+    matches = st.sampled_from(["full", "none", None])
+    judged = [
+        PruneDecision(id=leaf.id, path=(), keep=match == "full", match=match)
+        for leaf in tree.leaves
+        for match in [data.draw(matches)]
+    ]
+    by_id = {decision.id: decision for decision in all_decisions(tree, judged)}
+    for node in tree.nodes:
+        children = [by_id[child] for child in tree.children[node.id]]
+        failed = sum(child.match is None for child in children)
+        is_open = failed > 0 and not any(child.keep for child in children)
+        if children:
+            assert (by_id[node.id].match is None) == is_open
+            assert ("could not be judged" in by_id[node.id].reason) == (failed > 0)
+
+
 def test_a_model_that_fails_on_one_leaf_costs_only_that_leaf():
     tree = grown([0, 0, 1])
 
@@ -198,7 +217,7 @@ def test_an_inner_node_has_what_realises_its_kept_branches():
     gone = {"reasoning": "x", "simulatable": False, "missing": ["unicorn"]}
     tree = planted("Deer", "Box", "Unicorn")
     judged = judging(Deer=deer, Box=box, Unicorn=gone).decisions(tree)
-    by_id = {all_decision.id: all_decision for all_decision in all_decisions(tree, judged)}
+    by_id = {decision.id: decision for decision in all_decisions(tree, judged)}
     for name in ("root", "environmental"):
         assert by_id[name].assets == ("deer", "cardboard_box")
         assert by_id[name].behaviours == ("bolt",)

@@ -169,7 +169,22 @@ def test_a_sensor_sends_as_often_as_its_tick_asks(served, tick, step, rate):
     assert len(streams.sent) == pytest.approx(600 * step * rate, abs=2)
 
 
-ROLES = ("ego", "Ego", "hero", "npc", "npc", "a26", "x" * 50, "", "default", "é", "-", "1")
+ROLES = (
+    "ego",
+    "Ego",
+    "hero",
+    "npc",
+    "npc",
+    "a26",
+    "x" * 50,
+    "",
+    "default",
+    "é",
+    "-",
+    "1",
+    "none",
+    "nan",
+)
 
 
 def test_lit_vehicles_of_any_roles_make_a_scene_and_no_two_have_one_name(served):
