@@ -108,10 +108,7 @@ def _cells(row: "LeaderboardRow") -> tuple[str, ...]:
 
 def graded(grades: "Sequence[RequirementResult]") -> str:
     """List the grade of every model against a requirement."""
-    return (
-        "\n".join(map(str, grades))
-        or "no model was judged (answers by the protocol of the paper are not graded), so none can meet the requirement"
-    )
+    return "\n".join(map(str, grades)) or "no model was judged, so none can meet the requirement"
 
 
 def exit_code(grades: Sequence["RequirementResult"]) -> int:

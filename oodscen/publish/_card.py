@@ -63,6 +63,7 @@ def card(
         splits=_splits(drives),
         figures=FIGURES,
         rows=_rows(board),
+        judge=board.judge.rpartition("@")[0] if board else "",
         tasks=TASKS,
         unanswerable=sum(row.best is None for drive in drives for row in question_rows(drive)),
         size=_size(len(drives) * len(TASKS)),

@@ -302,12 +302,15 @@ def test_the_card_tells_how_else_models_were_asked(study, tmp_path):
     ]
     drives = published_drives(asked_drives(study), {})
     board = leaderboard(verdicts, study.episodes, study.scenarios)
+    board = board.model_copy(update={"judge": "wise@0123"})
     text = card(Study.open(out), board, drives, "cc0-1.0", {})
     assert "| m (the paper's questions) |" in text
     assert "`--chain`" in text
     assert "The paper's questions are others" in text
+    assert "scored by the judge wise." in text
     plain = card(study, study.leaderboard(), drives, "cc0-1.0", {})
     assert "`--chain`" not in plain
+    assert "by the judge" not in plain
     assert "paper's questions" not in plain
 
 

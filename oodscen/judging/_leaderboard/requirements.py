@@ -94,6 +94,8 @@ class RequirementResult(Data):
         """The grade, with the number of further scenes that would decide."""
         if self.grade != "cannot tell yet":
             return self.grade
+        if not any(result.items for result in self.bars):
+            return "cannot tell, as it has no answers that count"
         if self.more_scenes is None:
             return "cannot tell yet, and more scenes of this kind would hardly tell"
         return f"cannot tell yet, {self.more_scenes:,} more scenes"
@@ -138,7 +140,9 @@ def requirements(
     *,
     seed: int = 0,
 ) -> list[RequirementResult]:
-    """Return the grade of every model, in order of their names; references and the paper's protocol have none.
+    """Return the grade of every model, in order of their names; references have none.
+
+    Answers by the paper's protocol do not count, so a model without others cannot be graded.
 
     `episodes` are those of scenes and ordinary drives; `bars` holds at least one.
     """
@@ -146,9 +150,11 @@ def requirements(
     grouped: dict[str, list[Verdict]] = {}
     for verdict in verdicts:
         is_graded = verdict.kind == "model" and not is_without_pictures(verdict.model)
-        if is_graded and verdict.protocol == "ours":
-            grouped.setdefault(verdict.model, []).append(verdict)
-    level = ALPHA / max(len(grouped), 1)
+        if is_graded:
+            rows = grouped.setdefault(verdict.model, [])
+            if verdict.protocol == "ours":
+                rows.append(verdict)
+    level = ALPHA / max(sum(map(bool, grouped.values())), 1)
     return [
         _grade(items, model, AnswerColumns.of(items, rows), bars, level, seed)
         for model, rows in sorted(grouped.items())

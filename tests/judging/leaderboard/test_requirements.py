@@ -96,6 +96,15 @@ def test_silence_neither_meets_nor_fails():
     assert found.more_scenes is None
 
 
+def test_a_model_that_only_the_paper_asked_is_not_passed_over():
+    case = Case(paths=80, per_path=1)
+    other = [one.model_copy(update={"protocol": "paper"}) for one in case.verdicts("b", sure)]
+    found = graded(case, "safe>=0.9,needless<=0.05", case.verdicts("a", sure), other)
+    assert [found[name].grade for name in "ab"] == ["meets", "cannot tell yet"]
+    assert "no answers that count" in str(found["b"])
+    assert found["a"] == graded(case, "safe>=0.9,needless<=0.05", case.verdicts("a", sure))["a"]
+
+
 def test_an_action_neither_safe_nor_unsafe_scores_neither_way():
     case = Case(paths=40, per_path=1)
     rows = case.verdicts("m", sure)
