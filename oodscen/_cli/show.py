@@ -16,7 +16,7 @@ from oodscen._cli.paths import PathName
 from oodscen._cli.pictures import GRAPHICS, blocks, graphics_of, iterm, kitty, sixel
 from oodscen._text import one_line
 from oodscen.data._episode import ACTIONS, in_order
-from oodscen.data._pairing import Kind, is_ordinary, kind_of, scene_of
+from oodscen.data._pairing import is_ordinary, kind_of, scene_of
 from oodscen.errors import UnknownComponent, UsageError
 
 if TYPE_CHECKING:
@@ -91,7 +91,9 @@ class _Drive(NamedTuple):
 
     item_id: str
     scene: "Scene"
+    """What was driven: of a twin, the scene without its hazard."""
     scenario: "Scenario | None"
+    """The text of the scene, or of the scene to which the ordinary drive belongs."""
     episode: "Episode | None"
 
     @property
@@ -99,10 +101,20 @@ class _Drive(NamedTuple):
         """The files of the frames by moment; empty if there are none."""
         return self.episode.frames if self.episode else {}
 
+    @property
+    def text(self) -> str | None:
+        """The text of this very drive, if it has one."""
+        if self.scene.demand is not None:
+            return self.scene.demand.text
+        if self.scenario is None:
+            return None
+        return self.scenario.ordinary if is_ordinary(self.item_id) else self.scenario.text
+
     def to_json(self) -> str:
         """Return the parts as one object; a part that is missing is null."""
         parts = {"scene": self.scene, "scenario": self.scenario, "episode": self.episode}
-        rows = {name: part and part.model_dump(mode="json") for name, part in parts.items()}
+        rows: dict[str, object] = {"text": self.text}
+        rows |= {name: part and part.model_dump(mode="json") for name, part in parts.items()}
         return json.dumps(rows, indent=2, ensure_ascii=False)
 
 
@@ -118,7 +130,22 @@ def _drive(name: str, study: "Study", scenarios: "Mapping[str, Scenario]") -> _D
     episodes = {episode.scene_id: episode for episode in study.episodes}
     if is_ordinary(item_id) and item_id not in episodes:
         raise UnknownComponent("ordinary drive", item_id, filter(is_ordinary, episodes))
-    return _Drive(item_id, scene, scenarios.get(scene.id), episodes.get(item_id))
+    driven = _driven(item_id, scene, study.demands, episodes)
+    return _Drive(item_id, driven, scenarios.get(scene.scenario_id), episodes.get(item_id))
+
+
+def _driven(
+    item_id: str, scene: "Scene", demands: "Iterable[Scene]", episodes: "Mapping[str, Episode]"
+) -> "Scene":
+    """Return what was driven as a scene, or as one of its ordinary drives."""
+    kind = kind_of(item_id)
+    if kind == "demand":
+        return next((demand for demand in demands if demand.id == item_id), scene)
+    if kind == "twin":
+        runs = (episodes.get(name) for name in (item_id, scene.id))
+        times_s = [run.decision_s for run in runs if run is not None and run.decision_s is not None]
+        return scene.twin(times_s[0] if times_s else 0.0)
+    return scene
 
 
 def _scene(name: str, scenes: "Sequence[Scene]") -> "Scene":
@@ -184,19 +211,13 @@ def _lines(drive: _Drive, frame: Path | None) -> Iterator[str]:
     """Yield the lines about a drive."""
     yield drive.item_id
     if drive.scenario is not None:
-        yield from _scenario_lines(drive.scenario, kind_of(drive.item_id))
-    if not is_ordinary(drive.item_id):
-        yield from _scene_lines(drive.scene)
+        yield f"  path      {' > '.join(drive.scenario.path)}"
+    if drive.text:
+        yield f"  text      {one_line(drive.text)}"
+    yield from _scene_lines(drive.scene)
     yield from _episode_lines(drive.episode)
     if frame is not None:
         yield f"  frame     {frame}"
-
-
-def _scenario_lines(scenario: "Scenario", kind: Kind) -> Iterator[str]:
-    yield f"  path      {' > '.join(scenario.path)}"
-    text = {"rare": scenario.text, "twin": scenario.ordinary}.get(kind)
-    if text:
-        yield f"  text      {one_line(text)}"
 
 
 def _scene_lines(scene: "Scene") -> Iterator[str]:

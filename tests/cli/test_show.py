@@ -4,13 +4,14 @@ import shutil
 import pytest
 from click.testing import CliRunner
 
-from oodscen import make_simulator, simulate
+from oodscen import Study, make_simulator, simulate
 from oodscen._cli import main
 from oodscen._display import png
 from oodscen.data import Prop, Scenario, Scene
 from oodscen.data._details import Details
 from oodscen.data._map_state import MapState
 from oodscen.data._motion import Motion
+from oodscen.data._pairing import kind_of, scene_of
 from oodscen.testing import example_scene
 from tests.made import WALL
 from tests.motions import TOPPLE
@@ -147,3 +148,23 @@ def test_an_ambiguous_name_lists_five_scenes(made, tmp_path):
     lines = "".join(scene.to_json() + "\n" for scene in scenes)
     (folder / "scenes.jsonl").write_text(lines)
     assert "start with 's': s0, s1, s2, s3, s4 ...\n" in invoke(folder, "s").stderr
+
+
+def test_an_ordinary_drive_is_shown_as_it_was_driven(quick):
+    study = Study.open(quick)
+    demands = {demand.id: demand for demand in study.demands}
+    scenes = {scene.id: scene for scene in study.scenes}
+    scenarios = {scenario.id: scenario for scenario in study.scenarios}
+    ordinary = [one for one in study.episodes if one.is_ordinary]
+    assert {kind_of(one.scene_id) for one in ordinary} == {"twin", "demand"}
+    for episode in ordinary:
+        parts = json.loads(invoke(quick, episode.scene_id, "--json").output)
+        scene = scenes[scene_of(episode.scene_id)]
+        scenario = scenarios[scene.scenario_id]
+        driven = demands.get(episode.scene_id) or scene.twin(episode.decision_s)
+        assert Scene.parse(parts["scene"]) == driven
+        assert Scenario.parse(parts["scenario"]) == scenario
+        assert parts["text"] == (driven.demand.text if driven.demand else scenario.ordinary)
+        told = invoke(quick, episode.scene_id).output
+        assert f"  text      {parts['text']}\n" in told
+        assert all(f"{actor.id}: {actor.asset}, " in told for actor in driven.actors)
