@@ -92,6 +92,34 @@ def own_issues(simulator: ChecksScenes, scene: Scene) -> list[Issue]:
 
 
 @runtime_checkable
+class NamesPackages(Protocol):
+    """A simulator that names the installed packages on which its motion and pictures depend.
+
+    A study records their versions.
+    """
+
+    packages: Sequence[str]
+    """Names of distributions, such as `highway-env`."""
+
+
+def packages_of(simulator: object) -> tuple[str, ...]:
+    """Return the packages that a simulator names; none if it names none.
+
+    Raises:
+        SimulatorError: If they are no names.
+    """
+    if not isinstance(simulator, NamesPackages):
+        return ()
+    packages = simulator.packages
+    if not isinstance(packages, list | tuple) or not all(
+        isinstance(package, str) and package for package in packages
+    ):
+        name = getattr(simulator, "name", type(simulator).__name__)
+        raise SimulatorError(f"{name}: packages is {said(packages, 80)}, not a list of names")
+    return tuple(packages)
+
+
+@runtime_checkable
 class Looks(Protocol):
     """A driver that is shown the true state, as if it had perfect perception."""
 

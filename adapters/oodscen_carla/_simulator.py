@@ -53,6 +53,7 @@ class CarlaSimulator(MirrorSimulator):
     """
 
     name = "carla"
+    packages = ("carla",)
 
     def __init__(
         self,

@@ -21,6 +21,7 @@ class HighwaySimulator(RestorableSimulator):
     """
 
     name = "highway"
+    packages = ("highway-env", "gymnasium")
 
     def __init__(self) -> None:
         """Start nothing yet."""

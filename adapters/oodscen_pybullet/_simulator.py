@@ -67,6 +67,7 @@ class PyBulletSimulator(MirrorSimulator):
     """
 
     name = "pybullet"
+    packages = ("pybullet", "numba", "opencv-python-headless")
 
     def __init__(self) -> None:
         """Start nothing yet."""

@@ -148,6 +148,7 @@ class SumoSimulator(DynamicSimulator):
     """
 
     name = "sumo"
+    packages = ("libsumo", "eclipse-sumo")
     _owner: ClassVar["SumoSimulator | None"] = None
 
     def __init__(self) -> None:

@@ -6,6 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from oodscen._abilities import packages_of
 from oodscen._members import reason
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.options import RunOptions
@@ -55,7 +56,7 @@ class Texts(NamedTuple):
     """Text sets of the diverse tree, by size."""
 
 
-_LASTING = ("counts", "failures", "usage", "seconds")
+_LASTING = ("authors", "counts", "failures", "usage", "seconds")
 """Parts of `study.json` that an unfinished run leaves unchanged."""
 
 
@@ -202,8 +203,10 @@ class Pipeline:
         if self.store.has("study.json"):
             info = self.study.info
             more = {name: info[name] for name in _LASTING if name in info} | more
-        more["camera"] = self.context.simulator.catalogue().camera
-        self.store.write("study.json", canonical_json(record(self.config, status, **more)) + "\n")
+        simulator = self.context.simulator
+        more["camera"] = simulator.catalogue().camera
+        content = record(self.config, status, packages=packages_of(simulator), **more)
+        self.store.write("study.json", canonical_json(content) + "\n")
 
     def _save_stopped(self, reason: str) -> None:
         self._save("stopped", stopped=redact(reason), usage=self._usage())

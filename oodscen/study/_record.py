@@ -1,15 +1,18 @@
 """The content of `study.json`: authors, configuration and versions."""
 
 import platform
+from collections.abc import Sequence
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from typing import Any, ClassVar, Literal
 
 from pydantic import ConfigDict
 
+from oodscen._files import file_sha256
 from oodscen._registry import is_builtin
 from oodscen._version import __version__
-from oodscen.data._base import Data
+from oodscen.data._base import Data, digest
 from oodscen.prompts._versions import prompt_versions
 from oodscen.study._config import Status, StudyConfig
 
@@ -17,7 +20,7 @@ _BUILTIN = (
     "the built-in author: a deterministic, seeded writer over a knowledge base of hazards, not a "
     "language model"
 )
-_PACKAGES = ("numpy", "pydantic", "pybullet", "torch", "sentence-transformers", "litellm")
+_PACKAGES = ("numpy", "pydantic", "torch", "sentence-transformers", "litellm")
 
 
 class Info(Data):
@@ -41,12 +44,15 @@ class Info(Data):
     """`top` if the simulator draws views from above only, about which no model is asked."""
 
 
-def record(config: StudyConfig, status: Status, **more: Any) -> dict[str, Any]:
+def record(
+    config: StudyConfig, status: Status, *, packages: Sequence[str] = (), **more: Any
+) -> dict[str, Any]:
     """Return the content of `study.json`.
 
     Args:
         config: The configuration of the run.
         status: The state of the run.
+        packages: The installed packages on which the simulator's motion and pictures depend.
         more: Counts, failures and times, once there are any.
     """
     return {
@@ -54,7 +60,7 @@ def record(config: StudyConfig, status: Status, **more: Any) -> dict[str, Any]:
         "status": status,
         "config": config.model_dump(mode="json"),
         "authors": authors(config),
-        "versions": versions(),
+        "versions": versions(packages),
         "prompts": prompt_versions(),
         **more,
     }
@@ -63,12 +69,24 @@ def record(config: StudyConfig, status: Status, **more: Any) -> dict[str, Any]:
 def authors(config: StudyConfig) -> dict[str, str]:
     """Return who wrote the texts; the built-in author is worded so that it cannot pass for a model."""
     names = {"llm": config.llm, "red_llm": config.red_llm or config.llm}
-    return {role: _BUILTIN if is_builtin(name) else name for role, name in names.items()}
+    return {role: _author(name) for role, name in names.items()}
 
 
-def versions() -> dict[str, str]:
-    """Return the versions of everything that the results may depend on."""
-    installed = {package: _installed(package) for package in _PACKAGES}
+def _author(name: str) -> str:
+    if not is_builtin(name):
+        return name
+    knowledge = name.partition(":")[2]
+    if not knowledge:
+        return _BUILTIN
+    path = Path(knowledge)
+    files = sorted(path.glob("*.toml")) if path.is_dir() else [path]
+    sums = [[file.name, file_sha256(file).hex()] for file in files if file.is_file()]
+    return f"{_BUILTIN}, extended by {path.name} (digest {digest(sums)[:16]})"
+
+
+def versions(packages: Sequence[str] = ()) -> dict[str, str]:
+    """Return the versions of everything that the results may depend on, the packages of a simulator included."""
+    installed = {package: _installed(package) for package in (*_PACKAGES, *packages)}
     return {"oodscen": __version__, "python": platform.python_version(), **installed}
 
 

@@ -1,6 +1,12 @@
 """The record of a study says plainly who wrote the texts."""
 
-from oodscen import StudyConfig, __version__
+from types import SimpleNamespace
+
+import pytest
+
+from oodscen import StudyConfig, __version__, make_simulator
+from oodscen._abilities import packages_of
+from oodscen.errors import SimulatorError
 from oodscen.study._record import authors, record
 
 
@@ -10,6 +16,33 @@ def test_the_built_in_author_is_never_called_a_model():
     assert named == {"llm": "gpt-4o", "red_llm": "gpt-4o"}
     mixed = authors(StudyConfig(llm="gpt-4o", red_llm="builtin:own.toml"))
     assert "not a language model" in mixed["red_llm"]
+
+
+def test_an_own_knowledge_base_is_told_by_its_content(tmp_path):
+    file = tmp_path / "mine.toml"
+    told = []
+    for content in ("a = 1", "a = 2", "a = 1"):
+        file.write_text(content)
+        told += [authors(StudyConfig(llm=f"builtin:{path}"))["llm"] for path in (file, tmp_path)]
+    assert len(set(told)) == 4
+    assert told[:2] == told[4:]
+    assert "mine.toml" in told[0]
+    file.unlink()
+    assert "mine.toml" in authors(StudyConfig(llm=f"builtin:{file}"))["llm"]
+
+
+@pytest.mark.parametrize("name", ["flat", "pybullet", "highway", "sumo"])
+def test_the_versions_are_those_of_the_simulator_that_ran(name):
+    simulator = make_simulator(name)
+    found = record(StudyConfig(), "success", packages=packages_of(simulator))["versions"]
+    own = {"pybullet": "pybullet", "highway": "highway-env", "sumo": "libsumo"}
+    assert [key for key, package in own.items() if package in found] == [name] * (name in own)
+
+
+@pytest.mark.parametrize("packages", ["numpy", [3], [""], {"numpy": 1}])
+def test_packages_are_names(packages):
+    with pytest.raises(SimulatorError, match="packages is"):
+        packages_of(SimpleNamespace(name="mine", packages=packages))
 
 
 def test_it_holds_configuration_versions_and_prompt_versions():
