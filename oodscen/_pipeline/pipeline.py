@@ -6,7 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from oodscen._abilities import packages_of
+from oodscen._abilities import Rehearses, packages_of
 from oodscen._members import reason
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.options import RunOptions
@@ -205,6 +205,7 @@ class Pipeline:
             more = {name: info[name] for name in _LASTING if name in info} | more
         simulator = self.context.simulator
         more["camera"] = simulator.catalogue().camera
+        more["rehearses"] = isinstance(simulator, Rehearses)
         content = record(self.config, status, packages=packages_of(simulator), **more)
         self.store.write("study.json", canonical_json(content) + "\n")
 

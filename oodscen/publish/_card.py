@@ -11,6 +11,7 @@ import jinja2
 from oodscen._text import one_line, printable
 from oodscen._version import __version__
 from oodscen.data._base import canonical_json
+from oodscen.data._reactions import drivers_in_words
 from oodscen.judging._kinds import merge_kinds
 from oodscen.judging._leaderboard.board import Leaderboard
 from oodscen.judging._leaderboard.requirements import FIGURES
@@ -63,6 +64,9 @@ def card(
         splits=_splits(drives),
         figures=FIGURES,
         rows=_rows(board),
+        drivers=drivers_in_words(
+            set(study.config.reaction), rehearses=study.info.get("rehearses", True)
+        ),
         judge=board.judge.rpartition("@")[0] if board else "",
         tasks=TASKS,
         unanswerable=sum(row.best is None for drive in drives for row in question_rows(drive)),

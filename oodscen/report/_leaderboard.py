@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from oodscen.data._pairing import kind_of
 from oodscen.data._verdict import NOTHING, Protocol, Verdict
 from oodscen.judging._aspects.labelled import agreement_in_words
 from oodscen.judging._items import last_by
@@ -89,6 +90,8 @@ def leaderboard_variables(
         "lines": [_line(row, board.floor("control")) for row in board.standings],
         "noticing": [_line(row, board.floor("closed")) for row in _without_repeats(board)],
         "has_twins": any(row.detection.specificity.n for row in board.standings),
+        "has_demands": any(kind_of(episode.scene_id) == "demand" for episode in material.episodes),
+        "has_paper_rows": any(row.protocol == "paper" for row in board.rows),
         "has_collisions": any(row.control.collision_free.n for row in board.standings),
         "has_closed": any(row.identification.closed.n for row in board.standings),
         "series": [row.model for row in shown],

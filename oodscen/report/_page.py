@@ -9,6 +9,7 @@ from oodscen import _paper as paper
 from oodscen._registry import is_builtin
 from oodscen.data._episode import Episode
 from oodscen.data._pairing import scene_of
+from oodscen.data._reactions import REACTIONS_S, drivers_in_words
 from oodscen.judging._leaderboard.requirements import Bar
 from oodscen.judging._questions import OPTIONS
 from oodscen.llm._accounting import Account, account, accounts
@@ -92,6 +93,7 @@ def page_variables(study: Study, material: Material, bars: Sequence[Bar] = ()) -
         "opening": opening(material, board),
         "counts": _counts(material, [choice(episode) for episode in episodes]),
         "followed": _followed(episodes),
+        "drivers": _drivers(material, episodes),
         "action_words": {option.id: option.description for option in OPTIONS},
         "trees": _trees(material, scenes["leaves"]),
         "round_tally": Counter(row.decision or row.status for row in material.rounds),
@@ -104,6 +106,13 @@ def page_variables(study: Study, material: Material, bars: Sequence[Bar] = ()) -
         **text_metric_variables(material),
         **leaderboard_variables(material, board, bars),
     }
+
+
+def _drivers(material: Material, episodes: Sequence[Episode]) -> str:
+    """Return who tried every action."""
+    times_s = {time for episode in episodes for time in episode.reaction_s} or REACTIONS_S
+    rehearses = bool(material.info.get("rehearses", True))
+    return drivers_in_words(times_s, rehearses=rehearses)
 
 
 def _trees(material: Material, leaves: Iterable[str]) -> dict[str, dict[str, Any]]:

@@ -42,6 +42,8 @@ class Info(Data):
     stopped: str = ""
     camera: Literal["dash", "top"] = "dash"
     """`top` if the simulator draws views from above only, about which no model is asked."""
+    rehearses: bool = True
+    """False if the simulator can try no action on a road with less grip or at another speed."""
 
 
 def record(
