@@ -18,6 +18,7 @@ from oodscen._cli.options import (
     limits_from,
     refuse_idle,
     refuse_idle_prices,
+    refuse_idle_server,
     require_option,
 )
 from oodscen._cli.output import say
@@ -217,6 +218,7 @@ class _Evaluation:
             refuse_idle("with --dry-run, which counts what was never asked", "retry_failed")
         if not self.named_models:
             refuse_idle("without --vlm or --judge, whose server it names", "api_base")
+        refuse_idle_server(*self.named_models)
 
     def check_against(self, study: "Study") -> None:
         """Refuse what cannot be asked of a study, before a model is taken out of it."""

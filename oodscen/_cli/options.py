@@ -120,13 +120,19 @@ def refuse_idle(reason: str, *names: str) -> None:
 
 
 def refuse_idle_server(*models: str | None) -> None:
-    """Refuse an address of a server if all models are the built-in author.
+    """Refuse an address of a server if none of the models has one: the built-in author, references and recordings.
 
     Raises:
         UsageError: If `--api-base` was given for no model that it would reach.
     """
-    if all(map(is_builtin, filter(None, models))):
-        refuse_idle("on the built-in author; name a model with --llm", "api_base")
+    from oodscen._pipeline.models import is_asked
+
+    named = [model for model in models if model is not None]
+    if not any(map(is_asked, named)):
+        author = "the built-in author; name a model with --llm"
+        refuse_idle(
+            f"on {author if all(map(is_builtin, named)) else ' and '.join(named)}", "api_base"
+        )
 
 
 def refuse_idle_prices(

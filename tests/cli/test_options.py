@@ -179,6 +179,8 @@ IDLE = [
     ("doctor knowledge --states-only", "--states-only"),
     ("publish study -o new --to none --to drivelm", "--to none"),
     ("evaluate study --retry-failed --api-base http://host", "--api-base"),
+    ("evaluate study --vlm random --judge replay:x --api-base http://host", "--api-base"),
+    ("grow --llm random --api-base http://host", "--api-base"),
     ("evaluate study --vlm constant:stop --retry-failed --dry-run", "--retry-failed"),
     ("run new --quick --without-pictures", "--without-pictures"),
     ("run new --quick --recogniser nobody", "--recogniser"),
