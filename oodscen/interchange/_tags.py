@@ -13,7 +13,7 @@ import numpy as np
 from oodscen._arguments import checked
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap
-from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG, FOG_M, Actor, Precipitation, Scene, Weather
+from oodscen.data._scene import DUSK_DEG, FOG_M, Actor, Precipitation, Scene, Weather
 from oodscen.driving._motion.behaviours import BUILT_IN
 from oodscen.driving._roads.building import find_map, load_corridor
 from oodscen.driving._roads.corridor import Corridor, ego_strip, neighbour_strip
@@ -217,7 +217,6 @@ _PRECIPITATION: Mapping[Precipitation, tuple[str, str, str]] = {
 
 
 def _weather_tags(weather: Weather) -> Iterator[tuple[str, float | None]]:
-    yield "daySunElevationValue", weather.sun_elevation_deg
     if weather.sun_elevation_deg < DUSK_DEG:
         yield "LowLightNight", None
     elif weather.sun_elevation_deg < _LOW_DEG:
@@ -225,6 +224,7 @@ def _weather_tags(weather: Weather) -> Iterator[tuple[str, float | None]]:
     else:
         yield "IlluminationDay", None
         yield "DaySunElevation", None
+        yield "daySunElevationValue", weather.sun_elevation_deg
     yield "IlluminationCloudiness", None
     yield "illuminationCloudinessValue", round(8.0 * weather.cloud_cover)
     if weather.precipitation != "none":
@@ -232,10 +232,9 @@ def _weather_tags(weather: Weather) -> Iterator[tuple[str, float | None]]:
         yield weather_tag, None
         yield value_tag, weather.precipitation_mm_h
         yield surface_tag, None
-    if weather.fog_visual_range_m < CLEAR_AIR_M:
-        yield "particulatesWaterValue", weather.fog_visual_range_m
     if weather.fog_visual_range_m < FOG_M:
         yield "ParticulatesWater", None
+        yield "particulatesWaterValue", weather.fog_visual_range_m
 
 
 def _road_tags(road_map: RoadMap, road: Corridor) -> Iterator[str]:

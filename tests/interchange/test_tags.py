@@ -51,6 +51,8 @@ def test_a_document_has_every_tag_once_with_its_value():
         assert len(tags) == len(body["tags"])
         assert {tag["ontology_uid"] for tag in tags.values()} == set(body["ontologies"])
         for name, value in scene_tags(scene, catalogue()).items():
+            assert name[0].isupper() == (value is None)
+            assert name[0].isupper() or name[0].upper() + name[1:].removesuffix("Value") in tags
             data = tags[name].get("tag_data", {"num": [{"val": None}]})
             assert data["num"][0]["val"] == value
 
