@@ -36,7 +36,7 @@ from oodscen.errors import OodscenError, RunStopped, StudyError, StudyMismatch
 from oodscen.llm._accounting import accounts
 from oodscen.report._render import write_report
 from oodscen.study._config import JUDGING, Status, StudyConfig
-from oodscen.study._record import record
+from oodscen.study._record import joined_versions, record
 from oodscen.study._rounds import failed_at_end
 from oodscen.study._shared_settings import refuse_changed_settings
 from oodscen.study._stale_verdicts import OPINIONS
@@ -200,13 +200,13 @@ class Pipeline:
 
     def _save(self, status: Status, **more: Any) -> None:
         """Write `study.json`; earlier counts stay until new ones replace them."""
-        if self.store.has("study.json"):
-            info = self.study.info
-            more = {name: info[name] for name in _LASTING if name in info} | more
+        earlier = self.study.info if self.store.has("study.json") else {}
+        more = {name: earlier[name] for name in _LASTING if name in earlier} | more
         simulator = self.context.simulator
         more["camera"] = simulator.catalogue().camera
         more["rehearses"] = isinstance(simulator, Rehearses)
         content = record(self.config, status, packages=packages_of(simulator), **more)
+        content["versions"] = joined_versions(earlier.get("versions", {}), content["versions"])
         self.store.write("study.json", canonical_json(content) + "\n")
 
     def _save_stopped(self, reason: str) -> None:

@@ -1,7 +1,7 @@
 """The content of `study.json`: authors, configuration and versions."""
 
 import platform
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -90,6 +90,18 @@ def versions(packages: Sequence[str] = ()) -> dict[str, str]:
     """Return the versions of everything that the results may depend on, the packages of a simulator included."""
     installed = {package: _installed(package) for package in (*_PACKAGES, *packages)}
     return {"oodscen": __version__, "python": platform.python_version(), **installed}
+
+
+def joined_versions(earlier: Mapping[str, str], now: Mapping[str, str]) -> dict[str, str]:
+    """Return the versions of all runs that a study has taken, with a comma between those of one package."""
+    joined = dict(earlier)
+    for package, found in now.items():
+        seen = joined.get(package)
+        if seen is None:
+            joined[package] = found
+        elif found not in seen.split(", "):
+            joined[package] = f"{seen}, {found}"
+    return joined
 
 
 @cache

@@ -7,7 +7,7 @@ import pytest
 from oodscen import StudyConfig, __version__, make_simulator
 from oodscen._abilities import packages_of
 from oodscen.errors import SimulatorError
-from oodscen.study._record import authors, record
+from oodscen.study._record import authors, joined_versions, record
 
 
 def test_the_built_in_author_is_never_called_a_model():
@@ -37,6 +37,14 @@ def test_the_versions_are_those_of_the_simulator_that_ran(name):
     found = record(StudyConfig(), "success", packages=packages_of(simulator))["versions"]
     own = {"pybullet": "pybullet", "highway": "highway-env", "sumo": "libsumo"}
     assert [key for key, package in own.items() if package in found] == [name] * (name in own)
+
+
+def test_a_study_lists_the_versions_of_all_its_runs():
+    first = {"numpy": "2.0", "torch": "2.13"}
+    second = {"numpy": "2.1", "torch": "2.13", "pybullet": "3.2"}
+    joined = joined_versions(joined_versions({}, first), second)
+    assert joined == {"numpy": "2.0, 2.1", "torch": "2.13", "pybullet": "3.2"}
+    assert joined_versions(joined, first) == joined
 
 
 @pytest.mark.parametrize("packages", ["numpy", [3], [""], {"numpy": 1}])
