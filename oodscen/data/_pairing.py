@@ -41,4 +41,5 @@ def scene_of(item_id: str) -> str:
 def leaf_in(item_id: str) -> str:
     """Return the leaf that an item's id begins with, `fog` of `fog-003~twin`; the scene's id if it has no number."""
     scene = scene_of(item_id)
-    return scene.rpartition("-")[0] or scene
+    leaf, _, number = scene.rpartition("-")
+    return leaf if leaf and number[:1].isdecimal() else scene
