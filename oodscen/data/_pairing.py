@@ -36,3 +36,10 @@ def is_ordinary(item_id: str) -> bool:
 def scene_of(item_id: str) -> str:
     """Return the id of the scene that an item is, or to which an ordinary drive belongs."""
     return item_id.rpartition(_MARK)[0] if is_ordinary(item_id) else item_id
+
+
+def leaf_in(item_id: str) -> str:
+    """Return the leaf that an item's id begins with, `fog` of `fog-003~twin`; the scene's id if it has no number."""
+    scene = scene_of(item_id)
+    leaf, _, number = scene.rpartition("-")
+    return leaf if leaf and number[:1].isdecimal() else scene

@@ -11,7 +11,7 @@ from oodscen._arguments import checked
 from oodscen._numbers import seed_number
 from oodscen.data._base import Data
 from oodscen.data._drive_result import DriveResult
-from oodscen.data._pairing import scene_of
+from oodscen.data._pairing import leaf_in, scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.judging._items import last_by
@@ -216,8 +216,7 @@ def paths_of(scenarios: Iterable[Scenario]) -> dict[str, str]:
 
 def path_of(drive: DriveResult, paths: Mapping[str, str]) -> str:
     """Return the path of a drive's scene; if it is not known, the scene's id gives it."""
-    scene = scene_of(drive.scene_id)
-    return paths.get(scene) or scene.rpartition("-")[0] or scene
+    return paths.get(scene_of(drive.scene_id)) or leaf_in(drive.scene_id)
 
 
 def drives_and_passes(drives: Sequence[DriveResult]) -> dict[str, bool]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._episode import ActionOutcome, Episode, has_enough_margin
-from oodscen.data._pairing import kind_of, scene_of
+from oodscen.data._pairing import kind_of, leaf_in, scene_of
 from oodscen.data._verdict import Protocol, Verdict
 from oodscen.judging._aspects.opinions import is_open
 
@@ -85,7 +85,7 @@ class Items:
         sources = [truths.get(scene_of(episode.scene_id)) for episode in ran]
         paths = [source.path if source else () for source in sources]
         leaves = [
-            source.leaf if source and source.leaf else scene_of(episode.scene_id).rpartition("-")[0]
+            source.leaf if source and source.leaf else leaf_in(episode.scene_id)
             for source, episode in zip(sources, ran, strict=True)
         ]
         kinds = [kind_of(episode.scene_id) for episode in ran]
@@ -133,9 +133,9 @@ class Items:
         return family or self.levels["class"][row]
 
     def leaf_of(self, scene: str) -> str:
-        """Return the leaf that a scene realises; for an unknown scene, the prefix of its id."""
+        """Return the leaf that a scene realises; for an unknown scene, the one that its id begins with."""
         row = self.index.get(scene)
-        return scene_of(scene).rpartition("-")[0] if row is None else self.leaves[row]
+        return leaf_in(scene) if row is None else self.leaves[row]
 
 
 def _action_counts(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from oodscen._text import one_line
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._pairing import scene_of
+from oodscen.data._pairing import leaf_in, scene_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.errors import OodscenError
@@ -55,7 +55,7 @@ class Scenes:
         counts: Counter[tuple[str, ...]] = Counter()
         chosen = []
         for scene in self._study.scenes:
-            path = self.path(scene) or (scene_of(scene.id).rpartition("-")[0],)
+            path = self.path(scene) or (leaf_in(scene.id),)
             counts[path] += 1
             if count is None or counts[path] <= count:
                 chosen.append(scene)

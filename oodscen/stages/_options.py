@@ -9,7 +9,14 @@ from oodscen._paper import FEW_SHOTS, ITERATIONS, PER_PATH
 from oodscen.data._base import Data
 from oodscen.errors import DataError, UsageError
 from oodscen.prompts._scenario.describe_path import Style
-from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT, TOKENS
+from oodscen.stages._redteam.thresholds import (
+    BROADENINGS,
+    NEAREST_LABEL,
+    NEAREST_TEXT,
+    TOKENS,
+    RarityBand,
+    Similarity,
+)
 
 Options = TypeVar("Options", bound=Data)
 _OodnessBound = Annotated[float, Field(allow_inf_nan=True)]
@@ -37,15 +44,15 @@ class RedTeamOptions(Data):
     """`False` is the paper's procedure."""
     shown: tuple[str, ...] = FEW_SHOTS
     """The few-shot examples of the red-LLM."""
-    nearest: float = NEAREST_TEXT
+    nearest: Similarity = NEAREST_TEXT
     """Minimum similarity to an earlier proposal at which a proposal is refused."""
-    nearest_label: float = NEAREST_LABEL
+    nearest_label: Similarity = NEAREST_LABEL
     """Minimum similarity to a leaf's label at which a proposal is refused."""
     broadenings: int = Field(default=BROADENINGS, ge=0)
     """Number of broadenings of a leaf before it is split."""
     tokens: int = Field(default=TOKENS, ge=1)
     """Room for the tree in a prompt; only a part of a larger tree is shown."""
-    rarity: tuple[float, float] | None = None
+    rarity: RarityBand | None = None
     """Band of Remark 1 as kilometres in which a kind is met about once, least and most: proposals outside are
     refused, by the red-LLM's own figure or, where it gives none, by the offline head. Without it common kinds are
     asked for first and rarer ones once nothing new comes, and nothing is refused.
@@ -57,12 +64,6 @@ class RedTeamOptions(Data):
     threads: int | None = Field(default=None, ge=1)
     """Threads that ask; they change no result. As many as `in_flight` if left out."""
 
-    @model_validator(mode="after")
-    def _rarity_is_ordered(self) -> Self:
-        if self.rarity is not None and not 0.0 < self.rarity[0] < self.rarity[1]:
-            raise ValueError("rarity: kilometres are positive, and the first are fewer")
-        return self
-
 
 class DescribeOptions(Data):
     """Options of a `Describer`: how many texts, in which style, and how they are chosen."""
@@ -70,7 +71,7 @@ class DescribeOptions(Data):
     per_path: int = Field(default=PER_PATH, ge=1)
     """Texts per path, as far as its kind bears them."""
     style: Style = "natural"
-    nearest: float = 0.93
+    nearest: Similarity = 0.93
     """Largest cosine between two texts of one path."""
     redraws: int = Field(default=3, ge=0)
     """Maximum number of redraws of near duplicates and off-topic texts before they are accepted."""

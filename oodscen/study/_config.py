@@ -26,7 +26,13 @@ from oodscen.data._base import Data, no_truth_value
 from oodscen.data._reactions import LONGEST_REACTION_S, REACTIONS_S
 from oodscen.prompts._scenario.describe_path import Style
 from oodscen.protocols import Camera
-from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
+from oodscen.stages._redteam.thresholds import (
+    BROADENINGS,
+    NEAREST_LABEL,
+    NEAREST_TEXT,
+    RarityBand,
+    Similarity,
+)
 
 
 class StudyConfig(Data):
@@ -94,11 +100,11 @@ class StudyConfig(Data):
     """Stop red teaming when the Good-Turing coverage exceeds this."""
     in_flight: int = Field(default=1, ge=1, le=256)
     """Proposals in flight at once; each sees the tree as it was this many rounds ago."""
-    nearest: float = Field(default=NEAREST_TEXT, ge=-1.0, le=1.01)
+    nearest: Similarity = NEAREST_TEXT
     """Minimum similarity to an earlier proposal at which a proposal is refused."""
-    nearest_label: float = Field(default=NEAREST_LABEL, ge=-1.0, le=1.01)
+    nearest_label: Similarity = NEAREST_LABEL
     """Minimum similarity to a leaf's label at which a proposal is refused."""
-    rarity: tuple[float, float] | None = None
+    rarity: RarityBand | None = None
     """Band of rarity: proposals met about once in fewer or more kilometres are refused."""
     broadenings: int = Field(default=BROADENINGS, ge=0)
     """Number of broadenings of a leaf before it is split."""
@@ -150,8 +156,6 @@ class StudyConfig(Data):
     def _ordered(self) -> Self:
         if self.band is not None and self.band[0] >= self.band[1]:
             raise ValueError("band: the lower bound must be below the upper one")
-        if self.rarity is not None and not 0.0 < self.rarity[0] < self.rarity[1]:
-            raise ValueError("rarity: kilometres are positive, and the first are fewer")
         if any(size < 1 for size in self.sets):
             raise ValueError("sets: sizes are positive")
         if self.judge is not None and is_builtin(self.judge):

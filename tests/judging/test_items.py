@@ -4,6 +4,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
+from oodscen.data._episode import Episode
+from oodscen.data._scenario import Scenario
 from oodscen.data._verdict import Verdict
 from oodscen.judging._items import AnswerColumns, Items, Ratio, answer_values, last_by
 from tests.judging.cases import Case
@@ -27,6 +29,16 @@ def test_every_ordinary_drive_has_its_scene_and_its_path():
             assert items.clusters[owner] == items.clusters[row]
     assert items.leaf_of("leaf-9-001") == "leaf-9"
     assert items.chance_over(np.zeros(len(items.episodes), np.bool_)) is None
+
+
+def test_texts_from_elsewhere_are_paths_of_their_own():
+    names = ["fog", "fog~twin", "ice", "ice~twin"]
+    drives = [Episode(id=name, scene_id=name, status="ok") for name in names]
+    truths = {name: Scenario(id=name, text=f"{name} on the road") for name in ("fog", "ice")}
+    for known in (truths, {}):
+        items = Items.of(drives, known)
+        assert items.leaves == items.clusters == ["fog", "fog", "ice", "ice"]
+    assert items.leaf_of("smoke~twin") == "smoke"
 
 
 def test_failed_and_unknown_drives_are_no_items():

@@ -207,7 +207,7 @@ class Eye:
         if size <= 0.0:
             is_behind = self.ego.local((body.x, body.y, body.z))[0] < 0.0
             return Sight(0.0, distance, 0.0, is_behind)
-        return Sight(size, distance, self._hidden(body, shown, others, road, distance))
+        return Sight(size, distance, self._hidden(body, shown, others, road))
 
     def _hidden(
         self,
@@ -215,15 +215,10 @@ class Eye:
         shown: Sequence[tuple[float, float]],
         others: Sequence[UprightBox],
         road: Corridor | None,
-        distance: float,
     ) -> float:
         """Return the share of the rays to a body's silhouette that other bodies or a crest block."""
         own = _Faces.of(body, self.place)
-        nearer = [
-            _Faces.of(box, self.place)
-            for box in others
-            if math.dist(self.place[:2], (box.x, box.y)) - 0.5 * box.length < distance
-        ]
+        obstacles = [_Faces.of(box, self.place) for box in others]
         lowest = min(self.place[2], body.z)
         if road is not None and lowest >= float(road.z.max()) - 0.5 * _CREST_M:
             road = None  # No sight line to the body runs below the highest point of the road.
@@ -239,7 +234,7 @@ class Eye:
                 continue
             rays += 1
             is_behind_box = any(
-                (entry := box.entry(ray)) is not None and entry < hit for box in nearer
+                (entry := box.entry(ray)) is not None and entry < hit for box in obstacles
             )
             if is_behind_box or (road is not None and _is_behind_crest(self.place, ray, hit, road)):
                 hidden += 1

@@ -7,14 +7,15 @@ from typing import Final
 from oodscen.metrics._rarity.words import stems
 
 _ROAD: Final = """
-accident ahead alley ambulance asphalt autobahn avenue barrier bend bicycle bike bollard bonnet brake braking bridge bumper bus bypass
-car caravan carriageway coach collide collision cone convoy crash crossing crossroads curb cycle cycling cyclist dashboard drive driver
-drives driveway driving drove ego engine estate exit expressway flyover footbridge footpath footway freeway gantry garage green guardrail hatchback headlamp headlight hearse
-highway indicator intersection jeep junction kerb kilometre km lamp lane level light lorry mirror moped motorbike motorcycle motorist
-motorway oncoming overpass overtake park parking pass passes pavement pedestrian petrol pickup police pothole queue rail railway ramp red
-rider road roundabout saloon scooter sedan shoulder sidewalk signal slip speed steer steering street suv swerve tanker tarmac taxi toll
-tractor traffic trailer train tram trolley truck tunnel tyre tire underpass van vehicle verge viaduct wagon walk wheel wheelchair windscreen windshield
-wiper zebra
+accident ahead alley ambulance asphalt autobahn avenue barrier bend bicycle bike bollard bonnet brake bridge bumper bus bypass campervan
+car caravan carriageway coach collide collision cone convoy crash crossing crossroads crosswalk curb cycle cyclist dashboard drive
+driver driveway drove ego engine estate exit expressway flyover footbridge footpath footway freeway gantry garage green guardrail
+hatchback headlamp headlight hearse highway indicator intersection interstate jaywalker jeep junction kerb kilometre km lamp lane level
+light lorry minibus minivan mirror moped motorbike motorcycle motorhome motorist motorway oncoming onramp overpass overtake park pass
+pavement pedestrian petrol pickup police pothole queue rail railway ramp red rickshaw rider road roadblock roadkill roadside roadway
+roadworks roundabout saloon scooter sedan shoulder sidewalk signal skateboard slip snowplough snowplow speed steer street streetcar suv
+swerve tanker tarmac taxi tire toll tractor traffic trailer train tram tricycle trolley truck tunnel turnpike tyre underpass van vehicle
+verge viaduct wagon walk wheel wheelchair windscreen windshield wiper zebra
 """
 _FEWEST = 6
 """Words from which a text must name something of the road: a shorter one may be the label of a kind."""

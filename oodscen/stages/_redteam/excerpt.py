@@ -77,8 +77,8 @@ def list_leaves(tree: ScenarioTree, *, tokens: int, turn: int = 0) -> tuple[tupl
     room = tokens * CHARACTERS_PER_TOKEN
     if sum(len(label) + 2 for label in labels) <= room:
         return tuple(labels), 0
-    least = min(len(label) for label in labels) + 2
-    start = turn * max(room // (4 * least), 1) % len(labels)
+    longest = max(len(label) for label in labels) + 2
+    start = turn * max(room // longest, 1) % len(labels)  # At least so many fit: no turn skips any.
     listed: list[str] = []
     for label in labels[start:] + labels[:start]:
         room -= len(label) + 2

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from oodscen.data._scene import Weather
@@ -142,3 +142,25 @@ def test_sight_lines_meet_the_picture():
     np.testing.assert_allclose(
         [a + depth * b for a, b in zip(eye.place, ray, strict=True)], (30.0, 2.0, 1.0), atol=1e-9
     )
+
+
+@given(
+    st.builds(car, st.floats(6, 40), st.floats(-12, 12), st.floats(-3, 3)),
+    st.builds(
+        UprightBox,
+        x=st.floats(3, 45),
+        y=st.floats(-12, 12),
+        z=st.just(0.0),
+        yaw=st.just(0.0),
+        length=st.floats(0.2, 3),
+        width=st.floats(2, 20),
+        height=st.just(3.0),
+    ),
+)
+@example(UprightBox(14, 0, 0, 0, 0.6, 0.6, 1.7), UprightBox(11, 9.5, 0, 0, 0.5, 20, 3))
+def test_a_wall_hides_as_much_as_the_pieces_that_it_is_made_of(body, wall):
+    width = wall.width / 40
+    right = wall.y - 0.5 * (wall.width - width)
+    pieces = [replace(wall, y=right + row * width, width=width) for row in range(40)]
+    eye = Eye(CAMERA, EGO)
+    assert eye.see(body, [wall]).hidden == pytest.approx(eye.see(body, pieces).hidden, abs=0.03)

@@ -46,3 +46,19 @@ def test_a_text_names_the_road_once_a_road_is_added(words):
 @given(st.lists(_PLAIN, max_size=5))
 def test_a_label_need_not_name_the_road(words):
     assert names_road(" ".join(words))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "A pack of feral dogs sprints over the crosswalk",
+        "A large boulder has rolled onto the roadway from the hillside above",
+        "A helicopter makes an emergency landing on the interstate",
+        "Roadworks crews leave a digger with its arm swung out",
+        "A mattress flies off the roof rack of the minivan",
+        "Thick smoke from a wildfire drifts over the turnpike at noon",
+        "A skateboarder holds on to the back of a delivery robot",
+    ],
+)
+def test_american_roads_and_compounds_of_road_are_named(text):
+    assert names_road(text)

@@ -1,11 +1,12 @@
 """Of a large tree the part that matters is shown, and it is a tree."""
 
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from oodscen import ScenarioTree
 from oodscen.prompts._tree.place_scenario import PlaceScenario
 from oodscen.stages._redteam.excerpt import excerpt, list_leaves
+from oodscen.tree._scenario_tree import TreeEdit
 from tests.stages.redteam.grown import grown, shapes
 
 
@@ -51,12 +52,15 @@ def test_nothing_that_is_hidden_counts_as_a_leaf():
         assert prompt.check(answer)
 
 
-@given(shapes, st.integers(5, 60))
-def test_every_leaf_is_listed_in_some_turn(shape, tokens):
-    tree = grown(shape)
+@given(st.lists(st.integers(3, 60), min_size=1, max_size=40), st.integers(16, 60))
+@example([3] + [58] * 34, 60)
+def test_every_leaf_is_listed_in_some_turn_however_long_the_labels_are(lengths, tokens):
+    names = [f"{number:03}".ljust(length, "x") for number, length in enumerate(lengths)]
+    edits = [TreeEdit(op="add", node=name, parent="environmental", label=name) for name in names]
+    tree = ScenarioTree.initial().apply(*edits)
     labels = {leaf.label for leaf in tree.leaves}
     seen = set()
-    for turn in range(60):
+    for turn in range(len(labels)):
         found, unlisted = list_leaves(tree, tokens=tokens, turn=turn)
         assert len(found) + unlisted == len(labels)
         assert sum(len(label) + 2 for label in found) <= 4 * tokens
