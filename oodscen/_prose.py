@@ -98,6 +98,19 @@ _REFUSAL = re.compile(
 )
 
 
+def declines_to_write(text: str) -> bool:
+    """Return whether words that stand for a text decline to be one; a driver's own "I cannot stop in time" does not."""
+    return bool(_UNWRITTEN.search(fold(tidy(text[:20_000]))))
+
+
+_UNWRITTEN = re.compile(
+    r"^\W*(?:(?:unfortunately|sorry|i am sorry|i'm sorry|i apologi[sz]e|(?:my )?apologies|regrettably)\b[\s,.;:-]*(?:but )?)*"
+    rf"{_CANNOT} (?:\w+ ){{0,2}}(?:write|describe|create|generate|produce|compose|depict|fulfill?"
+    r"|provide (?:an?|any|further|more|such|that|this))\b"
+    r"|\b(?:against|violat\w+|breach\w*) (?:\w+ ){0,2}(?:(?:content|usage|safety|use) (?:policy|guidelines)|policies|guidelines)\b"
+)
+
+
 def is_disowned(before: str, after: str) -> bool:
     """Return whether the words right before or after something say that it is not meant: "not this: ...", "~~...~~"."""
     return bool(_DENIED_AHEAD.search(before[-80:]) or _DENIED_BEHIND.match(after[:80]))

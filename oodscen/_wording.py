@@ -11,14 +11,14 @@ import re
 import unicodedata
 from functools import lru_cache
 
-from oodscen._prose import is_refusal
+from oodscen._prose import declines_to_write, is_refusal
 from oodscen._text import BLANK, one_line
 
 _JOINERS = "\u200c\u200d"
 """Characters that shape a word between letters (Persian, Indic scripts)."""
 
-_MARKUP = re.compile(r"<[a-z/!?]|javascript\s*:|```|~~~|\{\{|\}\}|\{%|%\}|\$\{", re.IGNORECASE)
-"""HTML tags, code fences and template braces; `< 10 cm` is not a tag."""
+_MARKUP = re.compile(r"<[a-z/!?]|javascript\s*:|```|~~~|[{}]", re.IGNORECASE)
+"""HTML tags, code fences and the braces of templates; `< 10 cm` is not a tag."""
 
 _DETERMINERS = r"(?:(?:all|any|every|everything|of|the|your|my|these|those|this|that|such)\s+)*"
 _ORDERS = (
@@ -125,7 +125,8 @@ _PLACEHOLDERS = frozenset(
         # which readers of tables take for a missing value
         *("na", "nan", "-nan", "#na", "#n/a", "#n/a n/a", "<na>"),
         *("1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan"),
-        # which are the option beside the kinds of a closed question
+        # which are the option beside the kinds of a closed question, or beside the things to recognise
+        *("none of these", "none of the above"),
         *("nothing is out of the ordinary", "nothing out of the ordinary"),
         *("nothing is unusual", "nothing unusual"),
     }
@@ -134,14 +135,18 @@ _PLACEHOLDERS = frozenset(
 
 def description_fault(text: str) -> str:
     """Return why a model's words are no text of a scenario, as a predicate, or an empty string."""
-    if is_refusal(text):
+    if is_refusal(text) or declines_to_write(text):
         return "is a refusal: describe a situation in traffic"
     if _LISTED.match(seen(text)) or _is_enclosed(text.strip()[:1]):
         return "begins with the number or mark of a list: leave that out"
     return wording_fault(one_line(text))
 
 
-_LISTED = re.compile(r"\s*(?:\d{1,3}[.):]|[-*+\u2022]|\(?[A-Za-z][.):]|\(\d{1,3}\))\s")
+_LISTED = re.compile(
+    r"\s*(?:(?:\d{1,3}[.):]|[-*+\u2022]|\(?[A-Za-z][.):]|\(\d{1,3}\)|#\d{1,3}[.):]?)\s"
+    r"|(?:text|scenario|description|example|variant|option)(?:\s*#?\d{1,3})?\s*:)",
+    re.IGNORECASE,
+)
 
 
 def _is_enclosed(char: str) -> bool:
@@ -167,15 +172,18 @@ def appearance_fault(text: str) -> str:
         return f"contains {enclosed!r}: plain words without marks of options are wanted"
     if _ADDRESS.search(shown):
         return "contains an address: plain words are wanted"
+    if _OPTION.search(shown) or is_left_out(text):
+        return "reads like an option of a question: plain words are wanted"
     return ""
 
 
 _MARK = re.compile(r"[*_`#\[\]{}<>|\\=$@^]|~~")
 _ADDRESS = re.compile(
-    r"://|\bwww\.|\b[a-z]{2,}:[^\W\d]|[a-z0-9-]{2,}\.[a-z]{2,}\b",
+    r"://|\bwww\.|\b[a-z]{2,}:[^\W\d]|[a-z0-9-]+\.[a-z]{2,}\b",
     re.IGNORECASE,
 )
 """Schemes and names of hosts; a full stop is followed by a space, and `1.5 m` has digits."""
+_OPTION = re.compile(r"(?<!\w)[A-Za-z]\)")
 
 
 def _is_disguised(text: str) -> bool:

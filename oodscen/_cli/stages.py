@@ -165,7 +165,13 @@ def redteam(
     type=click.IntRange(1, 999),
     help="Texts per path.",
 )
-@click.option("--encoder", help="Text encoder that detects near duplicates.  [default: none]")
+@click.option(
+    "--encoder",
+    type=ComponentName("encoder"),
+    default="none",
+    show_default=True,
+    help="Text encoder that detects near duplicates.",
+)
 @style_option
 @click.option(
     "--candidates",
@@ -194,7 +200,7 @@ def describe(
     api_base: str | None,
     seed: int,
     per_path: int,
-    encoder: str | None,
+    encoder: str,
     style: Any,
     candidates: int,
     band: tuple[float, float] | None,
@@ -207,7 +213,7 @@ def describe(
     Paths with too few texts inside --band, or without an answer from the model, are reported on standard error
     and skipped, and texts without the twin that --twins asks for are counted there; the exit code is then 1.
     """
-    from oodscen import Describer, ScenarioTree, make_encoder, make_llm
+    from oodscen import Describer, ScenarioTree, make_llm
     from oodscen.baselines import load_baseline
     from oodscen.llm._accounting import Ledger
     from oodscen.metrics._metrics import Metrics
@@ -218,7 +224,7 @@ def describe(
     refuse_idle_server(llm)
     ledger = Ledger()
     model = make_llm(llm, seed=seed, api_base=api_base, log=ledger.add)
-    measure = make_encoder(encoder) if encoder else None
+    measure = things_encoder(encoder)
     ordinary = load_baseline(baseline) if baseline else None
     describer = Describer(
         model,

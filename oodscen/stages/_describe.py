@@ -17,10 +17,11 @@ from oodscen.data._scenario import Scenario
 from oodscen.encoders._check import unit_embeddings
 from oodscen.errors import AnswerError, UsageError
 from oodscen.llm._ask import ask
+from oodscen.llm._reading import read_answer
 from oodscen.metrics._detection.guard import is_calibrated
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary
-from oodscen.prompts._scenario.describe_path import STYLES, DescribePath
+from oodscen.prompts._scenario.describe_path import STYLES, DescribePath, Descriptions
 from oodscen.protocols import LLM, Encoder
 from oodscen.stages._options import DescribeOptions, with_changes
 from oodscen.tree._scenario_tree import ScenarioTree
@@ -209,13 +210,30 @@ class Describer(Brief):
                 catalogue=self.catalogue,
                 made=self.made.get(path, ()),
             )
-            answer = ask(self.llm, prompt, sample=self.options.sample).texts
+            answer = self._texts(prompt)
             for text in answer:
                 is_taken = folded_words(text) in taken
                 (refused if is_taken else texts).append(one_line(text))
             if len(answer) < wanted:
                 return texts, True
         return texts, False
+
+    def _texts(self, prompt: DescribePath) -> list[str]:
+        """Return the texts that the model gives; those at fault in its last attempt are left out, if others are not.
+
+        Raises:
+            LLMError: When the model fails.
+        """
+        try:
+            return ask(self.llm, prompt, sample=self.options.sample).texts
+        except AnswerError as error:
+            # An answer at fault elsewhere may be cut off within a text.
+            are_texts_at_fault = all(issue.path.startswith("texts") for issue in error.issues)
+            answer, _ = read_answer(error.raw, Descriptions)
+            texts = prompt.usable(answer) if answer and are_texts_at_fault else None
+            if texts is None:
+                raise
+            return texts
 
     def _off_topic(self, texts: list[str]) -> set[int]:
         """Return the positions of texts that are not about driving, if the encoder can tell."""

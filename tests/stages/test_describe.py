@@ -10,9 +10,10 @@ from oodscen import Describer, Metrics, ScenarioTree
 from oodscen._text import folded_words
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.data._scenario import Scenario
-from oodscen.errors import UsageError
+from oodscen.errors import AnswerError, UsageError
 from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary
 from oodscen.prompts._scenario.describe_path import STYLES
+from oodscen.protocols import Completion
 from oodscen.testing import ScriptedLLM
 from oodscen.testing._encoder import HashEncoder
 from oodscen.tree._scenario_tree import TreeEdit
@@ -106,6 +107,55 @@ def test_a_writer_that_has_run_dry_is_not_asked_again_and_its_near_duplicates_go
     found = Describer(llm, HashEncoder(), nearest=0.9).path("b", PATH, 3)
     assert [item.text for item in found] == [first]
     assert llm.calls == 1
+
+
+COWS = [
+    f"A brown cow stands in front of house number {number} on the street." for number in range(10)
+]
+FAULTY = (
+    "Unfortunately, I cannot fulfil this request.",
+    "Text 1: A cow stands in the lane.",
+    "A cow.",
+)
+
+
+def same(*texts):
+    """Return a model that has these texts only, whatever it is asked to avoid."""
+    return CountingLLM(ScriptedLLM(lambda request: {"texts": [*texts][: request.prompt.count]}))
+
+
+@given(st.lists(st.sampled_from([*COWS, *FAULTY]), min_size=1, max_size=12), st.integers(1, 12))
+def test_what_is_at_fault_in_every_attempt_costs_no_other_text(texts, wanted):
+    first = texts[: min(wanted, 10)]
+    kept = [text for text in dict.fromkeys(first) if text in COWS]
+    describer = Describer(same(*texts), batch=10)
+    if not kept:
+        with pytest.raises(AnswerError):
+            describer.path("cow", PATH, wanted)
+        return
+    assert [found.text for found in describer.path("cow", PATH, wanted)] == kept
+
+
+def test_a_model_that_repeats_itself_has_run_dry():
+    assert len(Describer(same(*COWS), batch=10).path("cow", PATH, 12)) == 10
+    near = "In front of house number 0 on the street a brown cow stands."
+    asked = []
+
+    def answer(request):
+        asked.append(request.prompt.count)
+        return {"texts": [COWS[0], near] if request.prompt.count == 2 else [near]}
+
+    found = Describer(ScriptedLLM(answer), HashEncoder(), nearest=0.9).path("cow", PATH, 2)
+    assert [one.text for one in found] == [COWS[0]]
+    assert asked == [2, 1, 1, 1]
+
+
+def test_an_answer_that_was_cut_off_leaves_no_half_a_text():
+    def answer(request):
+        return Completion(text='{"texts": ["' + COWS[0] + '", "' + COWS[1][:40], is_cut_off=True)
+
+    with pytest.raises(AnswerError):
+        Describer(ScriptedLLM(answer), batch=10).path("cow", PATH, 2)
 
 
 def author_scenarios(**options):

@@ -1,5 +1,6 @@
 """The describing prompt: texts that realise one path of the tree."""
 
+from collections.abc import Sequence
 from typing import Any, ClassVar, Literal, get_args
 
 from pydantic import BaseModel, Field
@@ -62,16 +63,41 @@ class DescribePath(Prompt[Descriptions]):
         least = 0 if self.avoid else 1
         if not least <= len(answer.texts) <= self.count:
             issues.append(Issue("texts", f"give {least} to {self.count}, not {len(answer.texts)}"))
-        seen = {folded_words(text) for text in self.avoid}
+        repeated = self._repeated(answer.texts)
         for index, text in enumerate(answer.texts):
-            if not 20 <= len(text.strip()) <= 600:
-                issues.append(Issue(f"texts[{index}]", "use 20 to 600 characters"))
-            if fault := description_fault(text):
-                issues.append(Issue(f"texts[{index}]", fault))
-            if folded_words(text) in seen:
+            issues += [Issue(f"texts[{index}]", fault) for fault in _faults(text)]
+            if index in repeated:
                 issues.append(Issue(f"texts[{index}]", "says the same as an earlier text"))
-            seen.add(folded_words(text))
         return issues
+
+    def usable(self, answer: Descriptions) -> list[str] | None:
+        """Return the texts of an answer without those at fault; `None` if what is left says nothing.
+
+        None at all say that the kind bears no more, if some exist and the answer repeats them.
+        """
+        repeated = self._repeated(answer.texts)
+        sound = [index for index, text in enumerate(answer.texts) if not _faults(text)]
+        texts = [answer.texts[index] for index in sound if index not in repeated]
+        is_dry = bool(self.avoid and sound)
+        return texts[: self.count] if texts or is_dry else None
+
+    def _repeated(self, texts: Sequence[str]) -> set[int]:
+        """Return the positions of texts that say the same as an earlier one."""
+        seen = {folded_words(text) for text in self.avoid}
+        repeated: set[int] = set()
+        for index, text in enumerate(texts):
+            words = folded_words(text)
+            if words in seen:
+                repeated.add(index)
+            seen.add(words)
+        return repeated
+
+
+def _faults(text: str) -> list[str]:
+    """Return why a text is of unreasonable length or wording."""
+    faults = [] if 20 <= len(text.strip()) <= 600 else ["use 20 to 600 characters"]
+    wording = description_fault(text)
+    return [*faults, wording] if wording else faults
 
 
 _REGISTERS: dict[Style, str] = {

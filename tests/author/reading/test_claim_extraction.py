@@ -209,12 +209,21 @@ def test_an_hour_does_not_start_in_its_minutes(clock):
         "There are no pedestrians, cyclists or dogs, and neither a bus nor a lorry.",
         "Dogs are absent. There used to be a box in the lane.",
         "0 dogs are here, and zero cats.",
+        "The road is free of animals, devoid of cars and empty of people.",
+        "The street is free of cars, bikes or people. The lane is completely clear of vehicles.",
         "The ego is not in the left lane. There is no heavy traffic or rush hour.",
         "The lights have been dark since noon. The market stays open until midnight.",
     ],
 )
 def test_what_is_denied_with_more_words_or_comes_later_is_no_claim(text):
     assert told(text) == set()
+
+
+@pytest.mark.parametrize(
+    "text", ["A cow broke free from a trailer.", "The ego steers clear of a cow in its lane."]
+)
+def test_a_cow_that_broke_free_or_is_steered_clear_of_is_there(text):
+    assert told(text) == {"cow thing present"}
 
 
 @pytest.mark.parametrize(
