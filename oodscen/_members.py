@@ -141,10 +141,21 @@ def as_catalogue(catalogue: object, name: str) -> Catalogue:
 
     Raises:
         UsageError: If it is something else.
+        DataError: If it is a copy (`model_copy`) with values that no catalogue can have.
     """
     if not isinstance(catalogue, Catalogue):
         raise UsageError(f"the catalogue of {name!r} is {described(catalogue)}, not a Catalogue")
+    if _CHECKED.get(id(catalogue)) is not catalogue:
+        Catalogue.parse(catalogue.model_dump(), source=name)
+        if len(_CHECKED) >= _MOST_CHECKED:
+            _CHECKED.clear()
+        _CHECKED[id(catalogue)] = catalogue
     return catalogue
+
+
+_CHECKED: dict[int, Catalogue] = {}
+"""Catalogues found without a fault, by identity: a simulator shows one for every scene."""
+_MOST_CHECKED = 16
 
 
 def described(value: object) -> str:
