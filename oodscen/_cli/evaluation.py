@@ -116,7 +116,7 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
     if evaluation.dropped:
         for name, count in drop_models(study, evaluation.dropped).items():
             say(f"{name} is taken out with {count} verdicts; {_after_drop(name)}", err=True)
-    judged_before = {verdict.model for verdict in study.stored_verdicts}
+    judged_before = {verdict.id for verdict in study.stored_verdicts}
     config = evaluation.configuration(study)
     asked_at = _asked_at(study) if evaluation.vlms else {}
     if evaluation.has_questions:
@@ -143,7 +143,7 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
     def lacks_an_answer(verdict: "Verdict") -> bool:
         if verdict.judge_error and evaluation.judge:
             return True
-        is_judged_here = verdict.model in judged_again or verdict.model not in judged_before
+        is_judged_here = verdict.model in judged_again or verdict.id not in judged_before
         return is_judged_here and (verdict.status == "failed" or bool(verdict.judge_error))
 
     sys.exit(any(map(lacks_an_answer, study.verdicts)))

@@ -91,7 +91,7 @@ class _Drive(NamedTuple):
 
     item_id: str
     scene: "Scene"
-    """What was driven: of a twin, the scene without its hazard."""
+    """The driven scene; of a twin, the one without its hazard."""
     scenario: "Scenario | None"
     """The text of the scene, or of the scene to which the ordinary drive belongs."""
     episode: "Episode | None"

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from oodscen.data._prop import Prop
 
 HELD_M: Size = (2.2, 3.3, 2.2)
-"""Greatest lesser and greater extent along the ground, and height, of what a person can hold, m."""
+"""Maximum width, length and height of what a person can hold, m; the length is the longer side."""
 HELD_KG = 60.0
 """Greatest mass of a thing made to order that a person can hold, kg."""
 LOADABLE: frozenset[Category] = frozenset({"object", "work_zone", "vegetation"})
@@ -42,9 +42,10 @@ def check_details(
         made: The things made to order, by id.
     """
     offers = asset.offers or AssetDetails()
+    holding = [kind.id for kind in kinds.poses if kind.grip and kind.id in offers.poses]
     can_show = {
         "pose": bool(offers.poses),
-        "holds": bool(offers.poses),
+        "holds": bool(holding),
         "parts": bool(offers.parts),
         "colour": offers.is_painted,
         "cargo": offers.bed is not None,
@@ -56,7 +57,7 @@ def check_details(
         if not can_show[name]
     ]
     if can_show["pose"]:
-        issues += _pose_issues(details, offers, behaviour, kinds)
+        issues += _pose_issues(details, offers, behaviour, kinds, holding)
     if can_show["parts"]:
         issues += [
             Issue(f"parts[{index}]", unknown_words("part", name, offers.parts))
@@ -72,21 +73,24 @@ def check_details(
 
 
 def _pose_issues(
-    details: Details, offers: AssetDetails, behaviour: str, kinds: DetailKinds
+    details: Details,
+    offers: AssetDetails,
+    behaviour: str,
+    kinds: DetailKinds,
+    holding: Collection[str],
 ) -> Iterator[Issue]:
-    """Yield the faults of a person's pose, and of hands that are not free in it."""
+    """Yield the faults of a person's pose; `holding` are the poses in which it can hold a thing."""
     name = posed(details)
-    if name and name not in offers.poses:
+    if details.pose and name not in offers.poses:
         yield Issue("pose", unknown_words("pose", name, offers.poses))
         return
     pose = kinds.pose(name)
-    if pose is None:
-        return
-    if pose.is_still and behaviour not in ("stand", "fall"):
-        yield Issue("pose", f"who is in the pose {name!r} stays in place: the behaviour is 'stand'")
-    if details.holds and pose.grip is None:
-        free = ", ".join(kind.id for kind in kinds.poses if kind.grip and kind.id in offers.poses)
-        yield Issue("holds", f"the hands are not free in the pose {name!r}, but in: {free}")
+    if pose is not None and pose.is_still and behaviour not in ("stand", "fall"):
+        message = f"a person in the pose {name!r} stays in place: the behaviour must be 'stand'"
+        yield Issue("pose", message)
+    if details.holds and holding and name not in holding:
+        message = f"things are held in the poses {', '.join(holding)}, not in {name!r}"
+        yield Issue("holds", message)
 
 
 def _thing_issues(
@@ -95,7 +99,8 @@ def _thing_issues(
     """Yield the faults of a thing that is held or loaded: its kind, size and mass."""
     thing = things.get(name)
     if thing is None:
-        yield Issue(path, unknown_words("asset", name, things))
+        loadable = [other.id for other in things.values() if other.category in LOADABLE]
+        yield Issue(path, unknown_words("asset", name, loadable))
         return
     if thing.category not in LOADABLE:
         message = (

@@ -13,7 +13,8 @@ from oodscen.prompts._tree.classify_examples import ClassifyExamples
 from oodscen.prompts._tree.give_examples import GiveExamples
 from oodscen.prompts._tree.propose_tree import ProposedTree, ProposeTree
 from oodscen.protocols import LLM
-from oodscen.tree._scenario_tree import CLASSES, ROOT, ScenarioTree, TreeEdit, slug
+from oodscen.tree._labels import CLASSES, same_words
+from oodscen.tree._scenario_tree import ROOT, ScenarioTree, TreeEdit, slug
 
 
 class TreeGrower(Brief):
@@ -21,7 +22,7 @@ class TreeGrower(Brief):
 
     Args:
         llm: The tree-LLM.
-        nodes: Size of the tree, including the root and the two classes.
+        nodes: Size of the tree, at least 3: the root and the two classes count.
         examples: Number of examples requested in the first turn.
         shown: The few-shot examples.
     """
@@ -38,7 +39,7 @@ class TreeGrower(Brief):
         shown: tuple[str, ...] = FEW_SHOTS,
     ) -> None:
         self.llm = llm
-        self.nodes = whole_number("nodes", nodes, 1)
+        self.nodes = whole_number("nodes", nodes, 1 + len(CLASSES))
         self.examples = whole_number("examples", examples)
         self.shown = shown
 
@@ -84,7 +85,7 @@ def _initial_tree(
         if parent is None:
             node_id = ROOT
         elif parent == ROOT:
-            label = next(name for name in CLASSES if name.casefold() == label.casefold())
+            label = next(name for name in CLASSES if same_words(name) == same_words(label))
             node_id = slug(label)
         else:
             node_id = tree.new_id(label)

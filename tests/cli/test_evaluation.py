@@ -14,6 +14,7 @@ from oodscen._pipeline import run_study
 from oodscen.data._verdict import Verdict
 from oodscen.errors import LLMError
 from oodscen.llm._recording import Exchange
+from oodscen.protocols import Completion
 from oodscen.report._quiz import write_quiz
 from oodscen.testing import ScriptedLLM
 from tests.pipeline.quick import SMALL, as_made
@@ -250,6 +251,21 @@ class Own:
         fields = request.schema["properties"]
         return Completion(text=json.dumps({{key: answer[key] for key in answer if key in fields}}))
 """
+
+
+def test_a_known_model_without_usable_answers_to_new_questions_exits_with_1(
+    study, tmp_path, monkeypatch
+) -> None:
+    (tmp_path / "here").mkdir()
+    (tmp_path / "here" / "failing_class.py").write_text(OWN.format("stop"))
+    monkeypatch.syspath_prepend(tmp_path / "here")
+    assert invoke("evaluate", study, "--vlm", "failing_class:Own").exit_code == 0
+    monkeypatch.setattr(
+        sys.modules["failing_class"].Own, "complete", lambda *_: Completion(text="?")
+    )
+    found = invoke("evaluate", study, "--protocol", "paper")
+    assert (found.exit_code, "own: 1 items got an answer" in found.stderr) == (1, True)
+    assert invoke("evaluate", study, "--vlm", "random").exit_code == 0
 
 
 def test_a_class_is_judged_anew_when_asked_to_and_missed_where_it_is_not(

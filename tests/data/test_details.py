@@ -5,6 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, WeatherRange
+from oodscen.data._detail_checks import check_details
 from oodscen.data._details import (
     AssetDetails,
     Bed,
@@ -155,6 +156,30 @@ def test_every_detail_is_shown_or_refused(given_details, kind):
 )
 def test_what_cannot_be_shown_is_refused_where_it_stands(one, path):
     assert f"actors[0].details.{path}" in refused(one)
+
+
+@pytest.mark.parametrize(
+    ("poses", "message"),
+    [
+        (("wave", "lift"), "things are held in the poses lift, not in 'carry'"),
+        (("wave",), "'adult' cannot show it; it can show: pose"),
+    ],
+)
+def test_who_cannot_carry_is_told_about_the_held_thing_and_not_about_a_pose(poses, message):
+    offers = AssetDetails(poses=dict.fromkeys(poses, SIZES["wave"]))
+    adult = asset("adult", "pedestrian", (0.4, 0.7, 1.8), offers)
+    lift = PoseKind(id="lift", doing="lifting", grip=Grip(how="above", at=(0, 0, 2)))
+    kinds = DetailKinds(poses=(*CATALOGUE.details.poses, lift))
+    things = {"crate": CATALOGUE.asset("crate")}
+    issues = check_details(Details(holds="crate"), adult, "stand", things, kinds, {})
+    assert [(issue.path, issue.message) for issue in issues] == [("holds", message)]
+
+
+@pytest.mark.parametrize("one", [actor(holds="cart"), actor("car", cargo="cart"), actor(holds="x")])
+def test_only_what_can_be_held_or_loaded_is_suggested(one):
+    (issue,) = CATALOGUE.lacks(scene(one))
+    assert "crate" in issue.message
+    assert not {"car", "car?", "adult", "adult,", "deer,"} & set(issue.message.split())
 
 
 def test_the_ordinary_counterpart_is_checked_too():

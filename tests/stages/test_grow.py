@@ -3,7 +3,7 @@
 import pytest
 
 from oodscen import TreeGrower
-from oodscen.errors import AnswerError
+from oodscen.errors import AnswerError, UsageError
 from oodscen.prompts._tree.place_scenario import PlaceScenario
 from oodscen.prompts._tree.propose_tree import MAX_PROPOSED_DEPTH, ProposeTree
 from oodscen.testing import ScriptedLLM
@@ -67,6 +67,27 @@ def test_every_node_names_the_model_and_the_question():
     assert {(edit.stage, edit.model, edit.prompt) for edit in tree.edits} == {
         ("grow", llm.name, question)
     }
+
+
+def test_the_classes_are_known_whatever_their_case_width_and_spaces():
+    answer = tree_answer()
+    answer["nodes"][1]["label"] = " Environmental "
+    answer["nodes"][2]["label"] = "\uff29nteractional"
+    assert grown([answer])[0] == grown([tree_answer()])[0]
+
+
+def test_nodes_may_be_counted_from_0():
+    answer = tree_answer()
+    for node in answer["nodes"]:
+        node["number"] -= 1
+        node["parent"] = max(0, node["parent"] - 1)
+    assert grown([answer])[0] == grown([tree_answer()])[0]
+
+
+@pytest.mark.parametrize("nodes", [0, 1, 2])
+def test_a_tree_has_room_for_its_classes(nodes):
+    with pytest.raises(UsageError, match="nodes must be a whole number from 3"):
+        TreeGrower(ScriptedLLM({}), nodes=nodes)
 
 
 def test_a_leaf_that_comes_from_an_example_keeps_its_text():

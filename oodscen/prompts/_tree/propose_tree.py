@@ -104,9 +104,12 @@ class ProposeTree(Prompt[ProposedTree]):
     def _tree_issues(self, answer: ProposedTree) -> list[Issue]:
         """Return faults of the whole: its classes, its size, and labels that occur twice."""
         issues = []
-        root = answer.nodes[0].number if answer.nodes else 0
-        below = [node.label.casefold() for node in answer.nodes if node.parent == root]
-        if sorted(below) != sorted(name.casefold() for name in CLASSES):
+        below = [
+            same_words(node.label)
+            for node in answer.nodes[1:]
+            if node.parent == answer.nodes[0].number
+        ]
+        if sorted(below) != sorted(map(same_words, CLASSES)):
             issues.append(Issue("nodes", f"below the root: exactly {' and '.join(CLASSES)}"))
         if len(answer.nodes) != self.nodes:
             issues.append(
