@@ -4,9 +4,9 @@ from typing import Any
 
 import pytest
 
-from oodscen import Metrics
-from oodscen._members import conforming
-from oodscen.errors import UsageError
+from oodscen import Metrics, make_catalogue
+from oodscen._members import as_catalogue, conforming
+from oodscen.errors import DataError, UsageError
 from oodscen.judging._references import is_reference, takes_cases
 from oodscen.llm._ask import speaker
 from oodscen.testing import ScriptedLLM
@@ -62,3 +62,14 @@ def test_an_encoder_whose_attributes_raise_is_not_cached() -> None:
 
     texts = ["A cow stands in the lane.", "A sofa lies on the road."]
     assert Metrics(BrokenEncoder(), texts).oodness(texts).mean == pytest.approx(-1.0)
+
+
+@pytest.mark.parametrize("change", [{"length": 5_000.0}, {"id": "adult"}])
+def test_a_copied_catalogue_with_impossible_values_is_refused(change: dict[str, Any]) -> None:
+    catalogue = make_catalogue("pybullet")
+    first, *rest = catalogue.assets
+    copy = catalogue.model_copy(update={"assets": (first.model_copy(update=change), *rest)})
+    for _ in range(2):
+        assert as_catalogue(catalogue, "mine") is catalogue
+        with pytest.raises(DataError, match="malformed catalogue in mine"):
+            as_catalogue(copy, "mine")

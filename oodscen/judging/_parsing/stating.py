@@ -146,7 +146,7 @@ _SCENE = re.compile(
     r"\b(?:road|lane|street|junction|intersection|crossing|crosswalk|highway|motorway|tunnel|bridge|shoulder|kerb|curb"
     r"|pavement|sidewalk|verge|car|vehicle|truck|lorry|van|bus|motorcycle|cyclist|bicycle|traffic|pedestrian|person"
     r"|people|crowd|child|children|man|woman|animal|cow|deer|dog|horse|moose|sheep|obstacle|object|debris|box|tree"
-    r"|rock|ahead|fog|rain|snow|ice|visibility|hazard|room|distance|weather|light|in the way"
+    r"|rock|ahead|fog|rain|snow|ice|dark|night|foggy|raining|snowing|visibility|hazard|room|distance|weather|light|in the way"
     rf"|in (?:my|our|its) (?:way|path)|{CRASH})(?:s|es)?\b"
 )
 """Matches words for what is on a road; an observation has one."""
@@ -154,7 +154,7 @@ _ALLOWED = re.compile(
     r"\b(?:(?:ahead|in front) of (?:me|us)|(?:my|our|its) (?:own )?(?:lane|path|way|side|car|vehicle)"
     r"|(?:i|we) (?:can )?see|that has \w+ed|so that (?=an? |no |the |there )"
     r"|(?:it|that|which|who|they)(?: is| are|'s)"
-    r" (?:\w+ing|in|on|ahead|near|close|too (?:close|near)|dark|night)"
+    r" (?:\w+ing|in|on|ahead|near|close|too (?:close|near)|dark|night|foggy)"
     r"|(?:the )?ego(?:'s)?(?: vehicle| car)?(?:'s)?"
     r" (?:lane|is (?:in|on|at|approaching|driving|moving|travell?ing|following))"
     r"|(?:to|towards?|behind|(?:ahead|in front) of|hit|approaching) (?:the )?ego(?: vehicle| car)?"

@@ -189,6 +189,9 @@ def test_the_only_whole_object_counts_with_the_member_that_was_asked_for(said, v
 
 
 def test_long_prose_is_read_to_its_end():
+    for seen in ("It is dark.", "It is foggy and it is night.", "It is snowing."):
+        assert read_action(f"{seen} I would stop.", ACTIONS).value == "stop"
+    assert read_action("It is dark, so I would stop.", ACTIONS).value == "stop"
     assert read_action("The road is wet. " * 5_000 + "I would stop.", ACTIONS).value == "stop"
     assert read_action("stop. " + "The road is wet. " * 5_000 + "Wait, no.", ACTIONS).value is None
 
