@@ -5,11 +5,13 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from oodscen.author._knowledge.base import Clash, Driving, HazardKind, Knowledge, Recipe
-from oodscen.author._knowledge.loading import gather
+from oodscen.author._knowledge.loading import gather, own_files
 from oodscen.author._writing.agreement import Agreement, PlaceAndTime
 from oodscen.data._catalogue import LANDMARKS
 from oodscen.data._scene import Weather
 from oodscen.errors import DataError, Issue
+from oodscen.prompts._tree.kind_labels import kind_fault
+from oodscen.tree._labels import same_words
 
 
 def validate_knowledge(path: str | Path | None = None) -> list[Issue]:
@@ -32,6 +34,9 @@ def validate_knowledge(path: str | Path | None = None) -> list[Issue]:
     if knowledge is None:
         return issues
     faults = list(_repetitions(shelf.hazards))
+    if path is not None:
+        own = own_files(Path(path))
+        faults += _replaced([entry for entry in shelf.hazards if entry[0].split(":", 1)[0] in own])
     for table in ("clash", "driving"):
         for where, entry in shelf.entries[table]:
             faults += _located(where, _unknown_keys(entry, knowledge))
@@ -51,7 +56,7 @@ def _repetitions(entries: Sequence[tuple[str, HazardKind]]) -> list[Issue]:
     issues = []
     latest = {hazard.id: hazard for _, hazard in entries}
     labels = Counter(
-        label.casefold()
+        same_words(label)
         for hazard in latest.values()
         for label in (hazard.label, hazard.wider)
         if label
@@ -61,16 +66,29 @@ def _repetitions(entries: Sequence[tuple[str, HazardKind]]) -> list[Issue]:
         issues += [
             Issue(f"{where}: {field}", "another hazard has the same")
             for field in ("label", "wider")
-            if labels[getattr(hazard, field).casefold()] > 1
+            if labels[same_words(getattr(hazard, field))] > 1
         ]
-        if labels[hazard.family.casefold()]:
+        if labels[same_words(hazard.family)]:
             issues.append(Issue(f"{where}: family", "is the label of a hazard as well"))
         if classes.setdefault(hazard.family, hazard.class_name) != hazard.class_name:
             issues.append(Issue(f"{where}: family", "belongs to the other class elsewhere"))
     return issues
 
 
+def _replaced(own: Sequence[tuple[str, HazardKind]]) -> list[Issue]:
+    """Return the hazards of a user that another of theirs replaces, since a later one with the id of an earlier does."""
+    ids = Counter(hazard.id for _, hazard in own)
+    return [
+        Issue(f"{where}: id", f"{hazard.id!r} occurs twice; only the last one counts")
+        for where, hazard in own
+        if ids[hazard.id] > 1
+    ]
+
+
 def _faults(hazard: HazardKind, knowledge: Knowledge) -> Iterable[Issue]:
+    for field in ("label", "wider", "family"):
+        if (label := getattr(hazard, field)) and (fault := kind_fault(label)):
+            yield Issue(field, fault)
     for index, key in enumerate(hazard.places):
         if key not in knowledge.place_keys:
             yield Issue(f"places[{index}]", f"unknown place {key!r}")
