@@ -2,12 +2,14 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import islice
+from typing import Any
 
 from oodscen.author._judgement_wording import hazard_words, joined_labels, lacking_words, small
 from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._reading.readings import Alternative, LabelReading, RequiredThing
 from oodscen.author._reading.recognition import Recogniser
-from oodscen.author._realisation import NO_RECIPE, Realisation, all_missing, realise
+from oodscen.author._realisation import NO_RECIPE, Realisation, Way, all_missing, realise
 from oodscen.data._additions import Addition
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._tree.judge_branch import (
@@ -21,6 +23,8 @@ from oodscen.prompts._tree.judge_branch import (
 
 _MOST = 40
 """Largest number of names of one kind in an answer."""
+_MOST_WAYS = 200
+"""Largest number of ways to restore one branch that are told."""
 
 
 @dataclass
@@ -39,6 +43,11 @@ class Option:
     def is_exact(self) -> bool:
         """True if the catalogue shows it without substitutes."""
         return not any(realisation.substitutes for realisation in self.realisations)
+
+    @property
+    def ways(self) -> list[Way]:
+        """Ways to restore it, the one that it names itself first; none if no addition can."""
+        return _joint(need for realisation in self.realisations for need in realisation.needs)
 
     @property
     def hazards(self) -> list[HazardKind]:
@@ -66,7 +75,8 @@ class BranchJudge:
         label = prompt.path[-1] if prompt.path else ""
         reading = self._reading(label)
         options = [
-            self._option(alternative, prompt.catalogue) for alternative in reading.alternatives
+            self._option(alternative, prompt.catalogue, exact=prompt.exact)
+            for alternative in reading.alternatives
         ]
         shown = [index for index, option in enumerate(options) if not option.missing]
         hidden = [option for option in options if option.missing]
@@ -78,7 +88,14 @@ class BranchJudge:
         narrower = ""
         if hidden:
             narrower, shown = self._narrowed(reading, options, shown)
-        return self._kept([options[index] for index in shown], hidden, narrower, prompt.catalogue)
+        kept = [options[index] for index in shown]
+        judgement = self._kept(kept, hidden, narrower, prompt.catalogue)
+        if prompt.exact and judgement.substitutes:
+            # Every alternative that is shown must be exact, unless any member of a category will do.
+            joint = _joint(option.ways for option in kept if not option.is_exact)
+            ways = [way for option in options for way in option.ways] if reading.is_any else joint
+            judgement = judgement.model_copy(update=_restoring(ways, judgement.missing))
+        return judgement
 
     def judge_all(self, prompt: JudgeBranches) -> BranchJudgements:
         """Judge each of several branches as if it were asked about alone."""
@@ -98,14 +115,16 @@ class BranchJudge:
             tuple(Alternative(hazard.label, (RequiredThing(hazard),)) for hazard in written)
         )
 
-    def _option(self, alternative: Alternative, catalogue: CatalogueDigest) -> Option:
+    def _option(
+        self, alternative: Alternative, catalogue: CatalogueDigest, *, exact: bool
+    ) -> Option:
         """Look up everything that an alternative needs in a catalogue."""
         realisations = []
         for part in alternative.parts:
             if part.hazard is not None:
-                realisation = realise(part.hazard, catalogue, self.knowledge)
+                realisation = realise(part.hazard, catalogue, self.knowledge, exact=exact)
             else:
-                realisation = Realisation(None, catalogue, self.knowledge)
+                realisation = Realisation(None, catalogue, self.knowledge, exact=exact)
                 realisation.why = part.why
             for name in part.things:
                 realisation.use((name,))
@@ -124,6 +143,11 @@ class BranchJudge:
                     Substitute(asset=realisation.assets[0], stands_for=words)
                     for words in part.approximate
                 ]
+            has_things = realisation.assets or any(
+                lack.kind == "asset" for lack in realisation.missing
+            )
+            if exact and part.approximate and has_things:
+                realisation.needs.append([(NO_RECIPE,)])
             realisation.assets = list(dict.fromkeys(realisation.assets))
             realisations.append(realisation)
         return Option(alternative.words, realisations)
@@ -151,7 +175,10 @@ class BranchJudge:
             )
             reason = f"{'; '.join(reasons)}."
             reason = f"{reason[0].upper()}{reason[1:]}"
-        return BranchJudgement(reasoning=reason, simulatable=False, missing=least.missing)
+        ways = [*least.ways, *(way for option in options for way in option.ways)]
+        return BranchJudgement(
+            reasoning=reason, simulatable=False, **_restoring(ways, least.missing)
+        )
 
     def _narrowed(
         self, reading: LabelReading, options: Sequence[Option], shown: Sequence[int]
@@ -210,6 +237,27 @@ class BranchJudge:
             label=narrower,
             missing=missing,
         )
+
+
+def _joint(needs: Iterable[Sequence[Way]]) -> list[Way]:
+    """Return the ways to meet all needs, the first of each need first; none if one cannot be met."""
+    ways: list[Way] = [()]
+    for need in needs:
+        possible = [way for way in need if NO_RECIPE not in way]
+        longer = (tuple(dict.fromkeys((*way, *more))) for way in ways for more in possible)
+        ways = [*islice(dict.fromkeys(longer), _MOST_WAYS)]
+    return ways
+
+
+def _restoring(ways: Sequence[Way], missing: Sequence[Addition]) -> dict[str, Any]:
+    """Return the fields of a judgement on what restores a branch: the first way, and the others instead."""
+    if not ways:
+        return {"missing": list(dict.fromkeys((*missing, NO_RECIPE)))}
+    first, *others = dict.fromkeys(ways)
+    sets = [frozenset(way) for way in (first, *others)]
+    needed = [way for way in others if not any(one < frozenset(way) for one in sets)]
+    needed.sort(key=len)
+    return {"missing": list(first), "instead": [list(way) for way in needed[:_MOST_WAYS]]}
 
 
 def _originals(substitutes: Iterable[Substitute], knowledge: Knowledge) -> list[Addition]:

@@ -15,6 +15,10 @@ NO_RECIPE = Addition(kind="other", name="a staging recipe for this kind of scena
 """A missing recipe, which no catalogue can supply: the author does not know how to stage the scenario."""
 
 
+Way = tuple[Addition, ...]
+"""Additions to a catalogue that meet a need together."""
+
+
 @dataclass
 class Realisation:
     """The means of a catalogue to show a hazard, and the ones it lacks."""
@@ -33,9 +37,14 @@ class Realisation:
     missing: list[Addition] = field(default_factory=list)
     why: str = ""
     """The reason if there is no hazard."""
+    exact: bool = False
+    """Only the things themselves count, no substitutes."""
+    needs: list[list[Way]] = field(default_factory=list)
+    """Ways to meet each need that is not met; with `exact` also of each that only a substitute meets."""
 
-    def lack(self, addition: Addition) -> None:
-        """Record a missing item, once."""
+    def lack(self, addition: Addition, ways: Sequence[Way] = ()) -> None:
+        """Record a missing item, once, and the ways to meet the need for it."""
+        self.needs.append([*ways] or [(addition,)])
         if not any(other.brings(addition) for other in self.missing):
             self.missing.append(addition)
 
@@ -49,17 +58,22 @@ class Realisation:
             if states and states[0] != asset.states[0]:
                 self.states.append(f"{asset.id}: {states[0]}")
         elif offered:
-            self._use_in_other_state(options[0], offered[0], states)
+            self._use_in_other_state(options, offered[0], states)
         elif not self._use_substitute(options, states):
-            category = self.knowledge.category(options[0])
-            self.lack(Addition(kind="asset", name=options[0], category=category))
+            self.lack(self._thing(options[0]), self._ways(options, states))
+            return
+        is_lacking = bool(offered) and offered[0].category == "signal"
+        if self.exact and not able and not is_lacking:
+            self.needs.append(self._ways(options, states))
 
-    def _use_in_other_state(self, name: str, asset: AssetLine, states: Sequence[str]) -> None:
+    def _use_in_other_state(
+        self, options: Sequence[str], asset: AssetLine, states: Sequence[str]
+    ) -> None:
         """Use an asset without some of the wanted states; a signal is nothing without them."""
-        missing = [f"{name}: {state}" for state in states if state not in asset.states]
+        missing = [f"{options[0]}: {state}" for state in states if state not in asset.states]
         if asset.category == "signal":
             for state in missing:
-                self.lack(Addition(kind="state", name=state))
+                self.lack(Addition(kind="state", name=state), self._ways(options, states))
             return
         self.assets.append(asset.id)
         self.substitutes += [Substitute(asset=asset.id, stands_for=state) for state in missing]
@@ -75,6 +89,32 @@ class Realisation:
                         return True
         return False
 
+    def _thing(self, name: str) -> Addition:
+        return Addition(kind="asset", name=name, category=self.knowledge.category(name))
+
+    def _ways(self, options: Sequence[str], states: Sequence[str]) -> list[Way]:
+        """Return the ways to get one of the options: its states if the catalogue has it, else it and its states.
+
+        Without `exact`, a thing that is no signal will do in another state, and a substitute in the right one.
+        """
+        ways: list[Way] = []
+        for name in options:
+            has = self.catalogue.called(name)
+            is_signal = self.knowledge.category(name) == "signal"
+            wanted = states if self.exact or is_signal or has else ()
+            known = has[0].states if has else ()
+            means = [state for state in wanted if state not in known]
+            ways.append((*(() if has else (self._thing(name),)), *_states(name, means)))
+        if self.exact:
+            return ways
+        for option in options:
+            for name in self.knowledge.substitutes.get(option, ()):
+                has = self.catalogue.called(name)
+                known = has[0].states if has else ()
+                means = [state for state in states if state not in known]
+                ways.append((*(() if has else (self._thing(name),)), *_states(name, means)))
+        return ways
+
     def cast(self, actor: RecipeActor) -> None:
         """Use an asset for an actor and, if it needs another one, for its counterpart."""
         states = [actor.state] if actor.state else []
@@ -85,8 +125,8 @@ class Realisation:
         if counterpart.asset:
             twin = Realisation(self.hazard, self.catalogue, self.knowledge)
             twin.use(counterpart.asset)
-            for addition in twin.missing:
-                self.lack(addition)
+            for addition, ways in zip(twin.missing, twin.needs, strict=True):
+                self.lack(addition, ways)
 
     def find_map(self, hazard: HazardKind) -> None:
         """Record the traits of a map that shows the hazard, or that it is missing."""
@@ -106,9 +146,15 @@ class Realisation:
         self.lack(map_with(traits if is_one else (*traits, *marks)))
 
 
-def realise(hazard: HazardKind, catalogue: CatalogueDigest, knowledge: Knowledge) -> Realisation:
-    """Look up everything that a hazard needs in a catalogue."""
-    realisation = Realisation(hazard, catalogue, knowledge)
+def _states(name: str, states: Sequence[str]) -> list[Addition]:
+    return [Addition(kind="state", name=f"{name}: {state}") for state in states]
+
+
+def realise(
+    hazard: HazardKind, catalogue: CatalogueDigest, knowledge: Knowledge, *, exact: bool = False
+) -> Realisation:
+    """Look up everything that a hazard needs in a catalogue; with `exact`, substitutes leave their needs open."""
+    realisation = Realisation(hazard, catalogue, knowledge, exact=exact)
     recipe = hazard.stage
     actors = recipe.actors if recipe else ()
     for actor in actors:

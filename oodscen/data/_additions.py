@@ -115,7 +115,8 @@ def extend(catalogue: Catalogue, additions: Iterable[Addition]) -> Catalogue:
     A placeholder has a name and a plausible size but cannot be drawn: it shows what could be staged, not
     how it would look. An addition of kind `other`, or that the catalogue has already, changes nothing.
     """
-    for addition in additions:
+    # A state needs its asset.
+    for addition in sorted(additions, key=lambda addition: addition.kind == "state"):
         catalogue = catalogue.model_copy(update=_changes(catalogue, addition))
     return catalogue
 

@@ -108,6 +108,10 @@ class EditLog:
             ids += sorted(self._children.get(name, ()), key=self.born.__getitem__)
         return ids
 
+    def has_one_child(self, node_id: str) -> bool:
+        """Return whether exactly one node hangs directly below a node."""
+        return len(self._children.get(node_id, ())) == 1
+
     def before_removal(self, node_id: str) -> Node | None:
         """Return a node as it was before it was last removed."""
         for edit, before in zip(reversed(self.log), reversed(self.before), strict=True):
@@ -200,7 +204,7 @@ class EditLog:
         if edit.parent is not None and edit.parent not in self.nodes:
             text = f"the parent {edit.parent[:80]!r} does not exist (before its child)"
             return _Fault(text, edit.parent)
-        return _Fault(_TOO_DEEP) if len(self._ancestry(edit.parent)) > MAX_DEPTH else None
+        return _Fault(_TOO_DEEP) if len(self.ancestry(edit.parent)) > MAX_DEPTH else None
 
     def _fault_of_move(self, edit: TreeEdit) -> _Fault | None:
         """Return why a node cannot be moved."""
@@ -208,7 +212,7 @@ class EditLog:
             return _Fault(f"{edit.node!r} would be a second root")
         if edit.parent not in self.nodes:
             return _Fault(f"the parent {edit.parent[:80]!r} does not exist", edit.parent)
-        above = self._ancestry(edit.parent)
+        above = self.ancestry(edit.parent)
         if edit.node in above:
             return _Fault(f"{edit.parent!r} lies at or below {edit.node!r}: that would be a cycle")
         level = [edit.node]
@@ -216,7 +220,7 @@ class EditLog:
             level = [child for name in level for child in self._children.get(name, ())]
         return _Fault(_TOO_DEEP) if level else None
 
-    def _ancestry(self, node_id: str | None) -> list[str]:
+    def ancestry(self, node_id: str | None) -> list[str]:
         """Return the ids from a node up to the root."""
         ids = []
         while node_id is not None:

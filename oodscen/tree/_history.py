@@ -162,6 +162,8 @@ class _Undoing:
         for index, edit in enumerate(tree.edits):
             if edit.undoes is None:
                 self._indices.setdefault(edit.node, []).append(index)
+        self._additions = {edit.node: edit for edit in tree.edits if edit.op == "add"}
+        """The last edit that added each node."""
 
     def undo(self, index: int) -> None:
         """Undo an edit in the tree as it is now."""
@@ -174,6 +176,7 @@ class _Undoing:
         steps = self._inverse(index)
         self.log.extend(len(self.log.log), steps)
         self.inverses += steps
+        self._additions |= {step.node: step for step in steps if step.op == "add"}
 
     def applied(self) -> "ScenarioTree":
         """Return the tree with everything undone."""
@@ -194,10 +197,9 @@ class _Undoing:
         before, was = self.log.before[index], self._in_force(edit.node)
         self._leave_out(index)
         if edit.op == "add":
-            return [
-                TreeEdit(op="remove", node=node_id, **fields)
-                for node_id in reversed(self.log.at_or_below(edit.node))
-            ]
+            bare = [] if edit.undoes is not None else self._left_bare(edit.node)
+            going = [*reversed(self.log.at_or_below(edit.node)), *bare]
+            return [TreeEdit(op="remove", node=node_id, **fields) for node_id in going]
         if before is not None and edit.op == "remove":
             returning = [before, *_missing_parents(self.log, before)]
             return [adding(node, **fields) for node in reversed(returning)]
@@ -212,7 +214,37 @@ class _Undoing:
             return [TreeEdit(op="broaden", node=edit.node, **label, **fields)]
         parents = reversed(_missing_parents(self.log, before))
         move = TreeEdit(op="move", node=edit.node, parent=before.parent, **fields)
-        return [*(adding(node, **fields) for node in parents), move]
+        # What an undo brought back has edits of its own, which can be undone.
+        bare = [] if edit.undoes is not None else self._left_bare(edit.node, keep=before.parent)
+        return [
+            *(adding(node, **fields) for node in parents),
+            move,
+            *(TreeEdit(op="remove", node=node_id, **fields) for node_id in bare),
+        ]
+
+    def _left_bare(self, node_id: str, *, keep: str | None = None) -> list[str]:
+        """Return the nodes above one that only came back with it or its like, and are bare without it, bottom up.
+
+        Args:
+            node_id: The node that goes.
+            keep: A node that must stay, with all nodes above it.
+        """
+        bare: list[str] = []
+        kept = set(self.log.ancestry(keep)) if keep in self.log.nodes else set[str]()
+        below = node_id
+        while (parent := self.log.nodes[below].parent) is not None:
+            if parent in kept or not self.log.has_one_child(parent) or not self._is_aid(parent):
+                break
+            bare.append(parent)
+            below = parent
+        return bare
+
+    def _is_aid(self, node_id: str) -> bool:
+        """Return whether a node is only there since a node below it came back."""
+        if self._in_force(node_id) is None:
+            return True
+        earlier = self._additions[node_id].undoes
+        return earlier is not None and self.log.log[earlier].node != node_id
 
     def _op(self, index: int) -> str:
         """Return the kind of an edit; if it only records that another is undone, the kind of that one."""

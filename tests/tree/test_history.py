@@ -1,6 +1,7 @@
 """Laws of time: replay, earlier moments, undo."""
 
 from contextlib import suppress
+from itertools import permutations
 
 import pytest
 from hypothesis import assume, given
@@ -9,7 +10,7 @@ from hypothesis import strategies as st
 from oodscen.errors import UsageError
 from oodscen.tree._edit_log import MAX_DEPTH
 from oodscen.tree._scenario_tree import ROOT, ScenarioTree, TreeEdit
-from tests.tree.woods import changes, few, grown, trees
+from tests.tree.woods import changes, few, grown, numbered, steps, trees
 
 
 @few
@@ -285,6 +286,41 @@ def test_undos_are_undone_in_any_order(changes, data):
     for index in data.draw(st.permutations(range(known, len(tree.edits)))):
         tree = tree.undo(index)
     assert tree.nodes == before.nodes
+
+
+def without_rounds(tree, rounds):
+    """Undo rounds one after the other; one of which nothing is left is refused."""
+    for number in rounds:
+        with suppress(UsageError):
+            tree = tree.undo(round=number)
+    return tree
+
+
+@given(steps, st.data())
+def test_any_order_of_undoing_all_rounds_leaves_what_none_of_them_made(steps, data):
+    initial = ScenarioTree.initial()
+    made = numbered([step for step in steps if step[0] not in ("remove", "undo")], initial)
+    names = {node.id for node in initial.nodes}
+    edits = [edit for edit in made.edits[len(initial.edits) :] if edit.node not in names]
+    tree = initial.apply(*edits)
+    rounds = data.draw(st.permutations(range(3)))
+    assert without_rounds(tree, rounds).nodes == initial.nodes
+
+
+@pytest.mark.parametrize("rounds", list(permutations([1, 2, 3])))
+def test_a_family_of_an_undone_round_does_not_stay_as_a_leaf(rounds):
+    one, two, three = ({"stage": "redteam", "round": number} for number in (1, 2, 3))
+    tree = ScenarioTree.initial().apply(
+        TreeEdit(op="add", node="f", parent="environmental", label="Family F", **one),
+        TreeEdit(op="add", node="leaf", parent="f", label="Leaf", **two),
+        TreeEdit(op="add", node="g", parent="environmental", label="Family G", **three),
+        TreeEdit(op="move", node="leaf", parent="g", **three),
+    )
+    after = without_rounds(tree, rounds)
+    assert after.nodes == ScenarioTree.initial().nodes
+    for position in reversed(range(len(tree.edits), len(after.edits))):
+        after = after.undo(position)
+    assert after.nodes == tree.nodes
 
 
 def test_an_edit_that_a_later_one_replaced_leaves_only_its_record():

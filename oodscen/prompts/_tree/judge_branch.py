@@ -4,6 +4,7 @@ from collections import Counter
 from typing import ClassVar
 
 from pydantic import BaseModel, Field, model_validator
+from pydantic.json_schema import SkipJsonSchema
 
 from oodscen._display import Brief
 from oodscen._wording import is_left_out
@@ -63,6 +64,8 @@ class BranchJudgement(Brief, BaseModel):
         max_length=_MOST,
         description="everything that would have to be added; all of it together restores the branch",
     )
+    instead: SkipJsonSchema[list[list[Addition]]] = Field(default=[], max_length=200)
+    """Other additions that would restore a branch, each list together; no model is asked for them."""
 
 
 class JudgeBranch(Prompt[BranchJudgement]):

@@ -32,18 +32,29 @@ class WantedMotion(NamedTuple):
 
 def is_makeable(decision: PruneDecision) -> bool:
     """Return whether a dropped leaf lacks nothing but things and movements, which can be made."""
+    lacks = _without_states(decision)
     return (
         not decision.keep
         and decision.status == "ok"
         and not decision.made
-        and bool(decision.lacks)
-        and all(lack.kind in ("asset", "behaviour") for lack in decision.lacks)
+        and bool(lacks)
+        and all(lack.kind in ("asset", "behaviour") for lack in lacks)
+    )
+
+
+def _without_states(decision: PruneDecision) -> tuple[Addition, ...]:
+    """Return what a leaf lacks, without the states of things that it lacks: the design of a thing gives its states."""
+    assets = {lack.name for lack in decision.lacks if lack.kind == "asset"}
+    return tuple(
+        lack
+        for lack in decision.lacks
+        if lack.kind != "state" or lack.name.partition(":")[0] not in assets
     )
 
 
 def additions_to_make(decision: PruneDecision) -> tuple[Addition, ...]:
     """Return what is to be made for a leaf, or was made for it."""
-    return decision.lacks if is_makeable(decision) else decision.made_as
+    return _without_states(decision) if is_makeable(decision) else decision.made_as
 
 
 def _in_order(tree: ScenarioTree, decisions: Iterable[PruneDecision]) -> Iterator[PruneDecision]:
@@ -95,9 +106,9 @@ def judged_again(
     The pruner's catalogue must have them.
     """
     names = {
-        decision.id: tuple(lack.name for lack in decision.lacks)
+        decision.id: tuple(lack.name for lack in _without_states(decision))
         for decision in decisions
-        if is_makeable(decision) and all(lack.name in made for lack in decision.lacks)
+        if is_makeable(decision) and all(lack.name in made for lack in _without_states(decision))
     }
     others = {leaf.id for leaf in tree.leaves if leaf.id not in names}
     before = {decision.id: decision for decision in decisions}
@@ -105,7 +116,7 @@ def judged_again(
     for decision in pruner.decisions(tree, others):
         if decision.status == "failed":
             continue
-        made_as = before[decision.id].lacks
+        made_as = _without_states(before[decision.id])
         lacks = decision.lacks if decision.keep else decision.lacks or made_as
         update = {"made": names[decision.id], "made_as": made_as, "lacks": lacks}
         again.append(decision.model_copy(update=update))

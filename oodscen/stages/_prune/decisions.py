@@ -32,7 +32,7 @@ class SubstitutedAsset(Data):
 class PruneDecision(LeanData):
     """The decision about one node, with its reason."""
 
-    _left_out: ClassVar = ("made", "made_as")
+    _left_out: ClassVar = ("instead", "made", "made_as")
 
     id: str
     """Id of the node."""
@@ -63,6 +63,9 @@ class PruneDecision(LeanData):
     """Additions to the catalogue: for a dropped leaf all that restore it, for a kept one those that would
     replace its substitutes or show the rest of its label.
     """
+    instead: tuple[tuple[Addition, ...], ...] = ()
+    """Other additions that restore a dropped leaf, each group by itself, as far as the model names them. Left out of
+    the JSON text if empty."""
     made: tuple[str, ...] = ()
     """Ids of the things that were made to order for it: for a dropped leaf they did not suffice. Left out of the
     JSON text if empty."""

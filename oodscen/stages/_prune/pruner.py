@@ -196,6 +196,7 @@ class Pruner(Brief):
             substitutes=substitutes if keep else (),
             missing=tuple(lack.words for lack in lacks),
             lacks=lacks,
+            instead=() if keep else tuple(map(tuple, answer.instead)),
             **self._provenance(question),
         )
 

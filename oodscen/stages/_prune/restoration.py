@@ -1,6 +1,6 @@
 """Additions that would restore the pruned branches, ranked by the number of paths that each unlocks."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Set
 from typing import Literal
 
 from oodscen._arguments import checked
@@ -61,10 +61,10 @@ class Restoration(Data):
     """Ids of leaves for which the model gave no answer."""
 
 
-Needs = dict[str, tuple[Addition, ...]]
-"""The additions that restore each dropped leaf, by its id."""
 Wanted = frozenset[Addition]
 """Additions that restore leaves together."""
+Needs = dict[str, tuple[Wanted, ...]]
+"""The ways to restore each dropped leaf, by its id, the one that its judge named first in front."""
 
 
 @checked
@@ -104,41 +104,47 @@ def _needs(dropped: Iterable[PruneDecision]) -> Needs:
     first: dict[object, Addition] = {}
     needs: Needs = {}
     for leaf in dropped:
-        if not leaf.lacks or any(lack.kind == "other" for lack in leaf.lacks):
-            continue
-        additions = (first.setdefault(lack.key, lack) for lack in leaf.lacks)
-        needs[leaf.id] = tuple(dict.fromkeys(additions))
+        ways = [
+            frozenset(first.setdefault(lack.key, lack) for lack in way)
+            for way in (leaf.lacks, *leaf.instead)
+            if way and all(lack.kind != "other" for lack in way)
+        ]
+        if ways:
+            needs[leaf.id] = tuple(dict.fromkeys(ways))
     return needs
 
 
 def _single(needs: Needs) -> Iterable[Unlocked]:
     """Yield every addition by itself."""
-    users: dict[Addition, list[str]] = {}
-    for leaf, lacks in needs.items():
-        for lack in lacks:
-            users.setdefault(lack, []).append(leaf)
+    users: dict[Addition, dict[str, None]] = {}
+    for leaf, ways in needs.items():
+        for way in ways:
+            for lack in sorted(way, key=lambda addition: addition.words):
+                users.setdefault(lack, {})[leaf] = None
     order = {leaf: number for number, leaf in enumerate(needs)}
     for addition in users:
         brought = _closure(frozenset({addition}), users)
         helped = sorted({leaf for lack in brought for leaf in users[lack]}, key=order.__getitem__)
-        restored = tuple(leaf for leaf in helped if brought.issuperset(needs[leaf]))
+        restored = tuple(leaf for leaf in helped if _is_met(needs[leaf], brought))
         yield Unlocked(additions=(addition,), paths=restored, helps=len(helped))
 
 
 def _by_category(needs: Needs) -> Iterable[Unlocked]:
     """Yield the missing assets of every category together."""
-    groups: dict[Category, list[Addition]] = {}
-    for addition in dict.fromkeys(lack for lacks in needs.values() for lack in lacks):
-        if addition.kind == "asset" and addition.category is not None:
-            groups.setdefault(addition.category, []).append(addition)
+    groups: dict[Category, dict[Addition, None]] = {}
+    for first, *_ in needs.values():
+        for addition in sorted(first, key=lambda addition: addition.words):
+            if addition.kind == "asset" and addition.category is not None:
+                groups.setdefault(addition.category, {})[addition] = None
     for category, group in groups.items():
-        restored = tuple(
-            leaf
-            for leaf, lacks in needs.items()
-            if all(any(addition.brings(lack) for addition in group) for lack in lacks)
-        )
-        helps = sum(not set(lacks).isdisjoint(group) for lacks in needs.values())
+        restored = tuple(leaf for leaf, ways in needs.items() if _is_met(ways, group.keys()))
+        helps = sum(any(not way.isdisjoint(group) for way in ways) for ways in needs.values())
         yield Unlocked(additions=tuple(group), category=category, paths=restored, helps=helps)
+
+
+def _is_met(ways: Iterable[Wanted], brought: Set[Addition]) -> bool:
+    """Return whether additions suffice for one of some ways."""
+    return any(way <= brought for way in ways)
 
 
 def _ranked(unlocked: Iterable[Unlocked]) -> tuple[Unlocked, ...]:
@@ -148,47 +154,47 @@ def _ranked(unlocked: Iterable[Unlocked]) -> tuple[Unlocked, ...]:
 def _sequence(needs: Needs) -> tuple[RestorationStep, ...]:
     """Build the sequence greedily: each step is the set of lacks that restores most leaves per addition."""
     order = {leaf: number for number, leaf in enumerate(needs)}
-    leaves: dict[Wanted, list[str]] = {}
-    for leaf, lacks in needs.items():
-        leaves.setdefault(frozenset(lacks), []).append(leaf)
+    remaining = {leaf: set(ways) for leaf, ways in needs.items()}
     steps: list[RestorationStep] = []
     total = 0
-    while leaves:
+    while remaining:
+        leaves: dict[Wanted, set[str]] = {}
         users: dict[Addition, set[Wanted]] = {}
-        for wanted in leaves:
-            for addition in wanted:
-                users.setdefault(addition, set()).add(wanted)
+        for leaf, ways in remaining.items():
+            for wanted in ways:
+                leaves.setdefault(wanted, set()).add(leaf)
+                for addition in wanted:
+                    users.setdefault(addition, set()).add(wanted)
         closed = {wanted: _closure(wanted, users) for wanted in leaves}
         restored = {
-            wanted: {other for lack in closure for other in users[lack] if other <= closure}
+            wanted: {
+                leaf
+                for lack in closure
+                for other in users[lack]
+                if other <= closure
+                for leaf in leaves[other]
+            }
             for wanted, closure in closed.items()
         }
-        ranks = {
-            wanted: (
-                -sum(len(leaves[other]) for other in restored[wanted]) / len(wanted),
-                len(wanted),
-            )
-            for wanted in leaves
-        }
+        ranks = {wanted: (-len(restored[wanted]) / len(wanted), len(wanted)) for wanted in leaves}
         best_rank = min(ranks.values())
         best = min(
             (wanted for wanted in leaves if ranks[wanted] == best_rank),
             key=lambda wanted: sorted(addition.words for addition in wanted),
         )
-        paths = [leaf for other in restored[best] for leaf in leaves[other]]
-        total += len(paths)
+        total += len(restored[best])
         steps.append(
             RestorationStep(
                 additions=tuple(sorted(best, key=lambda addition: addition.words)),
-                paths=tuple(sorted(paths, key=order.__getitem__)),
+                paths=tuple(sorted(restored[best], key=order.__getitem__)),
                 total=total,
             )
         )
-        remaining: dict[Wanted, list[str]] = {}
-        for wanted, ids in leaves.items():
-            if wanted not in restored[best]:
-                remaining.setdefault(wanted - closed[best], []).extend(ids)
-        leaves = remaining
+        remaining = {
+            leaf: {wanted - closed[best] for wanted in ways}
+            for leaf, ways in remaining.items()
+            if leaf not in restored[best]
+        }
     return tuple(steps)
 
 

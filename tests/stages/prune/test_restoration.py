@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen import Pruner
+from oodscen import Pruner, RedTeamer, ScenarioTree, TreeGrower, make_catalogue
 from oodscen.data._additions import Addition, extend
 from oodscen.stages._prune.decisions import PruneDecision, all_decisions
 from oodscen.stages._prune.restoration import Restoration, restoration, restoration_rows
@@ -75,6 +75,74 @@ def test_the_sequence_restores_all_that_can_be(author, diverse, catalogues, judg
     richer = Pruner(author, extend(catalogues["carla-0.9.16"], additions))
     dropped = {decision.id for decision in richer.decisions(diverse) if not decision.keep}
     assert dropped == set(found.beyond)
+
+
+LABELS = (
+    "Camper van broken down on a country road",
+    "Overloaded cargo bike swaying in the lane",
+    "Traffic lights failing in rush hour",
+    "Deer or dog on the road",
+    "Animals on the road",
+    "School bus or tram",
+    "Dog costume on the road",
+    "Cow, horse or sheep on the road in night rain",
+    "Person in a wheelchair or fallen tree on the road",
+)
+"""Labels that need states, several things at once, substitutes, or one of several things."""
+
+
+@pytest.fixture(scope="module")
+def mixed(author) -> ScenarioTree:
+    tree = RedTeamer(author, iterations=12).run(TreeGrower(author).run())
+    return tree.apply(
+        *(
+            ScenarioTree.Edit(op="add", node=f"x{i}", parent="environmental", label=label)
+            for i, label in enumerate(LABELS)
+        )
+    )
+
+
+@pytest.mark.parametrize("substitutes", [True, False])
+@pytest.mark.parametrize("name", ["flat", "pybullet", "sumo", "highway", "carla-0.9.16"])
+def test_additions_restore_exactly_what_they_promise_on_every_catalogue(
+    name, substitutes, author, mixed
+):
+    catalogue = make_catalogue(name)
+
+    def judged(*additions):
+        pruner = Pruner(author, catalogue.extended(additions), substitutes=substitutes)
+        return list(pruner.decisions(mixed))
+
+    def shown(decisions):
+        return {one.id for one in decisions if one.keep}
+
+    decisions = judged()
+    before, found = shown(decisions), restoration(decisions)
+    for one in (*found.single[:5], *found.categories[:1]):
+        assert shown(judged(*one.additions)) - before == set(one.paths), one.words
+    additions = [addition for step in found.sequence for addition in step.additions]
+    total = found.sequence[-1].total if found.sequence else 0
+    assert len(shown(judged(*additions)) - before) == total
+    assert total + len(found.beyond) == found.dropped
+
+
+def test_any_alternative_of_a_label_restores_it(author, catalogues):
+    tree = ScenarioTree.initial().apply(
+        ScenarioTree.Edit(op="add", node="a", parent="environmental", label=LABELS[3])
+    )
+    found = restoration(Pruner(author, catalogues["carla-0.9.16"]).decisions(tree))
+    assert [(one.words, one.paths) for one in found.single] == [
+        ("an asset: deer", ("a",)),
+        ("an asset: dog", ("a",)),
+    ]
+    (step,) = found.sequence
+    assert (len(step.additions), step.total) == (1, 1)
+
+
+def test_a_thing_is_added_before_its_states(catalogues):
+    additions = [Addition.model_validate(text) for text in ("state: kite: torn", "asset: kite")]
+    richer = extend(catalogues["pybullet"], additions)
+    assert next(one for one in richer.assets if one.id == "kite").states == ("torn",)
 
 
 def test_rows_name_the_leaves(diverse, judged):
