@@ -29,6 +29,7 @@ from oodscen._pipeline import run_study
 from oodscen._study_files import TABLES, TREES
 from oodscen.errors import OodscenError
 from oodscen.judging._constant_answerers import ConstantAnswerer
+from oodscen.protocols import Request
 from oodscen.testing import ScriptedLLM
 
 ORDINARY = "A car waits at a red light.\nA bus stops at its stop.\nThe road is dry and clear.\n"
@@ -42,11 +43,17 @@ Files = dict[str, tuple[bytes, int]]
 
 
 class Answerer(ScriptedLLM):
-    """A model that always stops, recorded like a third-party model."""
+    """A model that always stops and, as a judge, takes every aspect for another, recorded like a third-party model."""
 
     def __init__(self) -> None:
-        super().__init__(lambda asked: ConstantAnswerer("stop").complete(asked).text)
+        super().__init__(_answer)
         self.name = "answerer"
+
+
+def _answer(asked: Request) -> str:
+    if asked.prompt.purpose == "judge-aspect":
+        return '{"reasoning": "", "is_same_thing": false, "is_same_fault": false}'
+    return ConstantAnswerer("stop").complete(asked).text
 
 
 class Outcome(NamedTuple):
