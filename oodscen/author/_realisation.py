@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 
 from oodscen.author._knowledge.base import Counterpart, HazardKind, Knowledge, RecipeActor
 from oodscen.author._settings import Showable
@@ -59,12 +60,10 @@ class Realisation:
                 self.states.append(f"{asset.id}: {states[0]}")
         elif offered:
             self._use_in_other_state(options, offered[0], states)
-        elif not self._use_substitute(options, states):
+        elif self._use_substitute(options, states):
+            self._leave_open(options, states)
+        else:
             self.lack(self._thing(options[0]), self._ways(options, states))
-            return
-        is_lacking = bool(offered) and offered[0].category == "signal"
-        if self.exact and not able and not is_lacking:
-            self.needs.append(self._ways(options, states))
 
     def _use_in_other_state(
         self, options: Sequence[str], asset: AssetLine, states: Sequence[str]
@@ -77,6 +76,12 @@ class Realisation:
             return
         self.assets.append(asset.id)
         self.substitutes += [Substitute(asset=asset.id, stands_for=state) for state in missing]
+        self._leave_open(options, states)
+
+    def _leave_open(self, options: Sequence[str], states: Sequence[str]) -> None:
+        """Record the ways to do without a substitute, if only the things themselves count."""
+        if self.exact:
+            self.needs.append(self._ways(options, states))
 
     def _use_substitute(self, options: Sequence[str], states: Sequence[str]) -> bool:
         """Use the closest acceptable substitute for one of the options, and return whether there is one."""
@@ -99,21 +104,21 @@ class Realisation:
         """
         ways: list[Way] = []
         for name in options:
-            has = self.catalogue.called(name)
             is_signal = self.knowledge.category(name) == "signal"
-            wanted = states if self.exact or is_signal or has else ()
-            known = has[0].states if has else ()
-            means = [state for state in wanted if state not in known]
-            ways.append((*(() if has else (self._thing(name),)), *_states(name, means)))
-        if self.exact:
-            return ways
-        for option in options:
-            for name in self.knowledge.substitutes.get(option, ()):
-                has = self.catalogue.called(name)
-                known = has[0].states if has else ()
-                means = [state for state in states if state not in known]
-                ways.append((*(() if has else (self._thing(name),)), *_states(name, means)))
+            needs_states = self.exact or is_signal or self.catalogue.called(name)
+            ways.append(self._way(name, states if needs_states else ()))
+        if not self.exact:
+            substitutes = (self.knowledge.substitutes.get(option, ()) for option in options)
+            ways += [self._way(name, states) for name in chain.from_iterable(substitutes)]
         return ways
+
+    def _way(self, name: str, states: Sequence[str]) -> Way:
+        """Return what the catalogue lacks of a thing in some states."""
+        has = self.catalogue.called(name)
+        known = has[0].states if has else ()
+        lacking = (state for state in states if state not in known)
+        named = (Addition(kind="state", name=f"{name}: {state}") for state in lacking)
+        return (*(() if has else (self._thing(name),)), *named)
 
     def cast(self, actor: RecipeActor) -> None:
         """Use an asset for an actor and, if it needs another one, for its counterpart."""
@@ -144,10 +149,6 @@ class Realisation:
         offered = {trait for road in maps for trait in road.features}
         is_one = not fitting and len(traits) == 1 and traits[0] in offered
         self.lack(map_with(traits if is_one else (*traits, *marks)))
-
-
-def _states(name: str, states: Sequence[str]) -> list[Addition]:
-    return [Addition(kind="state", name=f"{name}: {state}") for state in states]
 
 
 def realise(
