@@ -146,7 +146,7 @@ def as_catalogue(catalogue: object, name: str) -> Catalogue:
     if not isinstance(catalogue, Catalogue):
         raise UsageError(f"the catalogue of {name!r} is {described(catalogue)}, not a Catalogue")
     if _CHECKED.get(id(catalogue)) is not catalogue:
-        Catalogue.parse(catalogue.model_dump(), source=name)
+        Catalogue.parse(catalogue.model_dump(warnings=False), source=name)
         if len(_CHECKED) >= _MOST_CHECKED:
             _CHECKED.clear()
         _CHECKED[id(catalogue)] = catalogue

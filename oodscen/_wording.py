@@ -17,7 +17,9 @@ from oodscen._text import BLANK, one_line
 _JOINERS = "\u200c\u200d"
 """Characters that shape a word between letters (Persian, Indic scripts)."""
 
-_MARKUP = re.compile(r"<[a-z/!?]|javascript\s*:|```|~~~|[{}]", re.IGNORECASE)
+_MARKUP = re.compile(
+    r"<[a-z/!?]|javascript\s*:|```|~~~|\{\{|\}\}|\{%|%\}|\$\{|\{\w[^{}]*\}", re.IGNORECASE
+)
 """HTML tags, code fences and the braces of templates; `< 10 cm` is not a tag."""
 
 _DETERMINERS = r"(?:(?:all|any|every|everything|of|the|your|my|these|those|this|that|such)\s+)*"
