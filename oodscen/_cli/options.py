@@ -129,10 +129,9 @@ def refuse_idle_server(*models: str | None) -> None:
 
     named = [model for model in models if model is not None]
     if not any(map(is_asked, named)):
-        author = "the built-in author; name a model with --llm"
-        refuse_idle(
-            f"on {author if all(map(is_builtin, named)) else ' and '.join(named)}", "api_base"
-        )
+        is_author = all(map(is_builtin, named))
+        whom = "the built-in author; name a model with --llm" if is_author else " and ".join(named)
+        refuse_idle(f"on {whom}", "api_base")
 
 
 def refuse_idle_prices(

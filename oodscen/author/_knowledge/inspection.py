@@ -14,7 +14,13 @@ from pathlib import Path
 from oodscen._arguments import checked
 from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._knowledge.designs import load_motions
-from oodscen.author._knowledge.loading import KnowledgeFiles, gather, load_knowledge, own_files
+from oodscen.author._knowledge.loading import (
+    KnowledgeFiles,
+    file_of,
+    gather,
+    load_knowledge,
+    own_files,
+)
 from oodscen.author._knowledge.validation import validate_knowledge
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._reading.stemming import stems
@@ -74,7 +80,7 @@ def inspect_knowledge(
     own = None if path is None else own_files(Path(path))
 
     def is_own(where: str) -> bool:
-        return own is None or where.split(":", 1)[0] in own
+        return own is None or file_of(where) in own
 
     places = {hazard.id: where for where, hazard in shelf.hazards if is_own(where)}
     hazards = [hazard for hazard in knowledge.hazards if hazard.id in places]

@@ -210,6 +210,11 @@ def _shipped_files() -> list[tuple[str, str]]:
     return [(file.name, file.read_text(encoding="utf-8")) for file in files]
 
 
+def file_of(where: str) -> str:
+    """Return the name of the file of an entry or a fault, by its location."""
+    return where.split(":", 1)[0]
+
+
 def own_files(path: Path) -> tuple[str, ...]:
     """Return the names of the files at a user's path."""
     return tuple(file.name for file in _toml_files(path))

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from oodscen.author._knowledge.base import Clash, Driving, HazardKind, Knowledge, Recipe
-from oodscen.author._knowledge.loading import gather, own_files
+from oodscen.author._knowledge.loading import file_of, gather, own_files
 from oodscen.author._writing.agreement import Agreement, PlaceAndTime
 from oodscen.data._catalogue import LANDMARKS
 from oodscen.data._scene import Weather
@@ -36,7 +36,7 @@ def validate_knowledge(path: str | Path | None = None) -> list[Issue]:
     faults = list(_repetitions(shelf.hazards))
     if path is not None:
         own = own_files(Path(path))
-        faults += _replaced([entry for entry in shelf.hazards if entry[0].split(":", 1)[0] in own])
+        faults += _replaced([entry for entry in shelf.hazards if file_of(entry[0]) in own])
     for table in ("clash", "driving"):
         for where, entry in shelf.entries[table]:
             faults += _located(where, _unknown_keys(entry, knowledge))

@@ -36,6 +36,7 @@ _FILLINGS = {
     "{own}": rf"{_ANY_EGO}['’]s",
     "{me}": rf"(?:{_EGO}|(?:it|you|my|your|our)\b)",
     "{number}": NUMBER,
+    "{free_of}": r"(?:free|devoid|empty|void|bare) (?:of|from)|(?:is|are|was|were|looks|stays) (?:\w+ly )?clear of",
     "{count}": COUNT,
     **{british: f"(?:{british}|{american})" for british, american in AMERICAN.items()},
     "{n}": r"(two|three|four|five|six|eight|one|a single|single|[1-8])",
