@@ -21,6 +21,8 @@ _MAX_TURN = 1.2
 """Maximum turn rate of a lane follower's heading, rad/s."""
 _USED = 0.9
 """Maximum share of the grip that actors use."""
+_STEEPEST = 1.875
+"""Maximum first derivative of the smooth course from 0 to 1."""
 PEAK = 5.7735
 """Maximum second derivative of the smooth course from 0 to 1."""
 
@@ -106,6 +108,11 @@ def smooth(progress: float) -> float:
 
 
 @part
-def sideways_duration(w: Situation, shift: float, duration: float) -> float:
-    """Return the duration of a sideways move, s: longer than `duration` on slippery roads."""
-    return max(duration, math.sqrt(PEAK * abs(shift) / grip(w)))
+def sideways_rate(w: Situation, i: int, shift: float, duration: float) -> float:
+    """Return the progress per second of a sideways move by `shift` metres, 1/s.
+
+    The move takes longer than `duration` on slippery roads, and in a vehicle too slow to roll that far aside.
+    """
+    lasting = max(duration, math.sqrt(PEAK * abs(shift) / grip(w)))
+    rolled, needed = _MAX_SLOPE * w.state[i, col.SPEED], _STEEPEST * abs(shift)
+    return rolled / needed if rolled * lasting < needed else 1.0 / lasting

@@ -16,7 +16,7 @@ from oodscen.driving._motion.lane_keeping import (
     grip,
     keep_lane,
     move,
-    sideways_duration,
+    sideways_rate,
     smooth,
     speed_up,
 )
@@ -35,11 +35,9 @@ def drive(w: Situation, i: int, code: int, waited: float) -> None:
     if code == Code.WRONG_WAY:
         keep_lane(w, i, speed_up(w, i, 2.0, desired_speed(w, i)), 0.0, 0.0)
     elif code in (Code.CUT_IN, Code.CUT_OUT):
-        shift = centre(w.track, w.codes[i, col.TARGET], w.state[i, col.S])
-        shift -= centre(w.track, w.codes[i, col.LANE], w.state[i, col.S]) + traits[i, col.OFFSET]
-        blend = smooth(waited / sideways_duration(w, shift, traits[i, col.DURATION]))
         # An actor that cuts out knows the obstacle and means to pass it: only traffic counts.
-        change_lane(w, i, blend, 0.0, 1.2, 0.5 if code == Code.CUT_OUT else -math.inf)
+        slowest = 0.5 if code == Code.CUT_OUT else -math.inf
+        change_lane(w, i, _towards_target(w, i, waited), 0.0, 1.2, slowest)
     elif code in (Code.HARD_BRAKE, Code.STALL) and waited >= 0.0:
         keep_lane(w, i, accelerate(w, i, -traits[i, col.DECELERATION]), 0.0, 0.0)
     elif code == Code.HALT and waited >= 0.0:
@@ -50,7 +48,7 @@ def drive(w: Situation, i: int, code: int, waited: float) -> None:
         cruise(w, i, _weave(w, i, waited))
     elif code == Code.PULL_OUT:
         if waited >= 0.0:
-            blend = smooth(waited / traits[i, col.DURATION])
+            blend = _towards_target(w, i, waited)
             # A driver who leaves a row of parked vehicles means to pass them: only traffic counts.
             slowest = -math.inf if blend >= 1.0 else 0.5
             acceleration = idm_acceleration(w, i, desired_speed(w, i), 1.2, slowest)
@@ -75,6 +73,22 @@ def drive(w: Situation, i: int, code: int, waited: float) -> None:
         cruise(w, i, 0.0)
     else:
         raise ValueError("a behaviour without a kernel")
+
+
+@part
+def _towards_target(w: Situation, i: int, waited: float) -> float:
+    """Return how far a lane change has come, from 0 to 1.
+
+    The first memory column holds its progress before it is smoothed.
+    """
+    progress = w.state[i, col.MEMORY]
+    if waited > 0.0:
+        s = w.state[i, col.S]
+        shift = centre(w.track, w.codes[i, col.TARGET], s)
+        shift -= centre(w.track, w.codes[i, col.LANE], s) + w.traits[i, col.OFFSET]
+        progress += w.dt * sideways_rate(w, i, shift, w.traits[i, col.DURATION])
+        w.state[i, col.MEMORY] = quantised(min(1.0, progress))
+    return smooth(progress)
 
 
 @part
@@ -134,7 +148,7 @@ def _overtake(w: Situation, i: int, waited: float) -> None:
     """Move aside, pass, and move back once the ego is well behind."""
     aside = w.state[i, col.MEMORY]
     if waited >= 0.0:
-        step = w.dt / sideways_duration(w, w.traits[i, col.LATERAL], 2.5)
+        step = w.dt * sideways_rate(w, i, w.traits[i, col.LATERAL], 2.5)
         ahead = (w.state[i, col.S] - w.paths[0, col.PATH_S]) * w.codes[i, col.DIRECTION]
         aside = max(0.0, aside - step) if ahead > _PASSED_M else min(1.0, aside + step)
         w.state[i, col.MEMORY] = quantised(aside)

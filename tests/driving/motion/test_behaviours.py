@@ -292,6 +292,34 @@ def test_u_turn_drives_back_on_the_left() -> None:
     assert body.speed == 5.0
 
 
+@settings(max_examples=40)
+@example("pull_out", 2.5, 2.4, 1.0, 30.0)
+@example("cut_in", 5.0, 0.5, 1.0, 30.0)
+@given(
+    st.sampled_from(["pull_out", "cut_in", "cut_out"]),
+    st.floats(0.5, 20.0),
+    st.floats(1.0, 6.0),
+    st.floats(0.2, 1.0),
+    st.floats(8.0, 30.0),
+)
+def test_vehicles_change_lanes_smoothly_and_only_as_far_as_they_roll(
+    name: str, speed: float, duration: float, friction: float, gap: float
+) -> None:
+    parameters = {"speed": speed, "lanes": 1.0, "duration": duration}
+    car = actor("a", "car", name, trigger=LATER, **parameters)
+    slow = actor("b", "car", "follow_lane", lane=1, ahead=30.0 + gap, speed=1.0)
+    result = world(scene(car, slow, speed=0.0, friction=friction))
+    grip, before, aside = 0.9 * 9.81 * friction, result.motion("a"), 0.0
+    for _ in range(round(7.0 / result.dt)):
+        result.step(Control())
+        after = result.motion("a")
+        rolled, moved = 0.5 * (before.speed + after.speed) * result.dt, after.t - before.t
+        assert abs(moved) <= 0.5 * rolled + 1e-5
+        # A change of speed turns up to half as much of it sideways.
+        assert abs(moved / result.dt - aside) <= (1.55 * grip + 0.1) * result.dt
+        before, aside = after, moved / result.dt
+
+
 @pytest.mark.parametrize("name", ["drift", "overtake"])
 def test_a_truck_beyond_the_edge_of_the_road_is_not_drawn_onto_it(name) -> None:
     truck = actor("a", "truck", name, offset=-2.0, trigger=LATER, lateral=-1.0)
