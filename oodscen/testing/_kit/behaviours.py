@@ -58,7 +58,7 @@ CASES: dict[str, tuple[Case, ...]] = {
     "swerve": (
         Case(parameters={"speed": 7, "amplitude": 1.6, "period": 4.5}, seconds=11.8, trigger_s=2.5),
     ),
-    "pull_out": (Case(parameters={"speed": 3, "lanes": 1, "duration": 6}, seconds=6.0),),
+    "pull_out": (Case(parameters={"speed": 6, "lanes": 1, "duration": 6}, seconds=6.0),),
     "u_turn": (Case(parameters={"speed": 2.5, "duration": 2.5}, seconds=4.0),),
     "cross_road": (Case(parameters={"speed": 1.5, "distance": 4}, seconds=6.2, heading_deg=90.0),),
     "hesitate": (
