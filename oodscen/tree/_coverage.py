@@ -4,6 +4,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, ClassVar, Literal, TypeVar
 
+from oodscen._display import percent
 from oodscen.data._base import Data
 from oodscen.data._episode import Episode
 from oodscen.data._pairing import scene_of
@@ -78,7 +79,11 @@ class Coverage(Data):
         """Share of the tree's meetings that falls to leaves that lack something; `None` if no leaf has an exposure."""
         if all(row.exposure is None for row in self.rows):
             return None
-        return sum(row.exposure for row in self.holes if row.exposure is not None)
+        # What is stored is rounded, and need not add up to one.
+        everything, holes = (
+            sum(row.exposure or 0.0 for row in rows) for rows in (self.of("leaf"), self.holes)
+        )
+        return holes / everything if everything else 0.0
 
     def of(self, kind: Kind) -> tuple[NodeTally, ...]:
         """Return the rows of one kind."""
@@ -95,7 +100,7 @@ class Coverage(Data):
             unknown = sum(row.exposure is None for row in self.holes)
             others = f"; {unknown} more cannot be told" if unknown else ""
             lines.append(
-                f"leaves with holes: {self.exposed_holes:.0%} of what a driver would meet{others}"
+                f"leaves with holes: {percent(self.exposed_holes)} of what a driver would meet{others}"
             )
         if self.elsewhere:
             lines.append(f"{self.elsewhere} texts, scenes and episodes belong to no leaf")

@@ -134,9 +134,17 @@ def test_leaves_are_weighted_by_their_exposure():
     leaves = [leaf.id for leaf in TREE.leaves]
     found = coverage(TREE, per_km=dict.fromkeys(leaves, 1e-5))
     assert found.rows[0].exposure == pytest.approx(1.0)
-    assert found.exposed_holes == pytest.approx(1.0, abs=1e-4)
+    assert found.exposed_holes == 1.0
     assert "100% of what a driver would meet" in str(found)
     assert coverage(TREE).exposed_holes is None
+    others = leaves[1:]
+    covered = {
+        "texts": [text(name, name) for name in others],
+        "scenes": [scene(name, name) for name in others],
+        "episodes": [episode(name, ("safe", "unsafe")) for name in others],
+    }
+    rare = coverage(TREE, **covered, per_km=dict.fromkeys(others, 1.0) | {leaves[0]: 1e-4})
+    assert "<0.1% of what a driver would meet" in str(rare)
     told = coverage(TREE, per_km={leaves[0]: 1e-5})
     rows = {row.id: row.exposure for row in told.rows}
     assert [rows[leaf] for leaf in leaves] == [1.0] + [None] * (len(leaves) - 1)

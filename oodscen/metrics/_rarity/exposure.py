@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from oodscen._arguments import instances_of
+from oodscen._display import percent
 from oodscen._seeding import stream
 from oodscen.data._base import Data
 from oodscen.data._issues import same_length
@@ -38,16 +39,8 @@ class Exposure(Data):
 
     def __str__(self) -> str:
         others = f"; {self.unknown} of {self.total} kinds cannot be told" if self.unknown else ""
-        share, low, high = map(_percent, (self.share, self.low, self.high))
+        share, low, high = map(percent, (self.share, self.low, self.high))
         return f"{share} of what a driver would meet ({low} to {high}{others})"
-
-
-def _percent(share: float) -> str:
-    """Return a share in whole per cent; a small one, as rare kinds have, is not called none, nor the rest all."""
-    nearest = min(share, 1.0 - share)
-    if 0.0 < nearest < 0.001:
-        return "<0.1%" if share < 0.5 else ">99.9%"
-    return f"{share:.1%}" if 0.0 < nearest < 0.01 else f"{share:.0%}"
 
 
 class TreeRarity(Data):
