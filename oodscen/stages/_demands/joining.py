@@ -24,6 +24,8 @@ _MIRROR_S = 2.0
 """Least time by which a joining vehicle has begun to move at the decision, s."""
 _PARKED_M = 2.2
 """Least width of a strip to park on, m."""
+_LEAVING_M = 5.0
+"""Gap that a car needs to the parked one ahead of it, to leave the kerb past it, m."""
 
 
 def merging_car(setting: Setting, rng: np.random.Generator) -> Draft | None:
@@ -93,7 +95,7 @@ def _leaves_the_kerb(setting: Setting, rng: np.random.Generator) -> Draft | None
             cars.append(actor(f"parked-{number}", parked, along_m, offset_m=offset_m))
         along_m -= 0.5 * setting.length(parked)
     front = setting.choose(rng, *CARS)
-    front_m = begin + 0.5 * (setting.length(asset) + setting.length(front)) + 3.5
+    front_m = begin + 0.5 * (setting.length(asset) + setting.length(front)) + _LEAVING_M
     cars.append(actor("parked-front", front, front_m, offset_m=offset_m))
     noun = everyday_name(asset)
     quote = f"{with_article(noun)} leaves its parking space ahead with its indicator on"
