@@ -175,7 +175,7 @@ def test_it_never_closes():
 
 def test_no_more_than_the_window_are_under_way():
     limits = Limits(concurrency=3)
-    lock = threading.Lock()
+    lock, three = threading.Lock(), threading.Barrier(3)
     running, most = 0, 0
 
     def count(asked):
@@ -183,7 +183,7 @@ def test_no_more_than_the_window_are_under_way():
         with lock:
             running += 1
             most = max(most, running)
-        threading.Event().wait(0.005)
+        three.wait(timeout=60.0)  # Each goes on once three are under way.
         with lock:
             running -= 1
         return {"text": "A sofa."}
