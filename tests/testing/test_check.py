@@ -394,6 +394,16 @@ def test_a_catalogue_without_anything_to_hit_needs_no_contact() -> None:
     assert "contact not tried, no asset blocks the way" in result.note
 
 
+def test_runs_without_room_are_named() -> None:
+    class Long(Small):
+        def catalogue(self):
+            long = FLAT_CATALOGUE.asset("car").model_copy(update={"length": 80.0})
+            return SMALL.model_copy(update={"assets": (long,)})
+
+    result, _ = examine_parts(Long, parts=("motion",))
+    assert "no room to stage" in result.note, (result.note, result.lines())
+
+
 def test_what_motion_has_nothing_to_try_with_is_said() -> None:
     result, _ = examine_parts(Small, parts=("motion",))
     assert result.holds

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from oodscen.data._catalogue import Asset, BehaviourKind
 from oodscen.data._scene import Actor, Behaviour, Scene, Trigger
 from oodscen.driving._motion.behaviours import BUILT_IN
-from oodscen.driving._sight.placement import staging_issues
 from oodscen.testing._kit.comparing import compare
 from oodscen.testing._kit.probe import Probe
 from oodscen.testing._kit.vocabulary import assets_for, cast_for
@@ -100,8 +99,9 @@ def check_behaviour(probe: Probe, kind: BehaviourKind) -> None:
     """
     for asset in assets_for(probe, kind)[:1]:
         for where, scene, seconds in _runs(probe, kind, asset):
-            if not staging_issues(scene, probe.catalogue):
-                compare(probe, scene, kind, f"behaviour {kind.id}{where}", seconds)
+            subject = f"behaviour {kind.id}{where}"
+            if probe.can_stage(scene, subject):
+                compare(probe, scene, kind, subject, seconds)
 
 
 def _runs(probe: Probe, kind: BehaviourKind, asset: Asset) -> Iterator[tuple[str, Scene, float]]:

@@ -74,8 +74,16 @@ class Findings:
 
     def __init__(self) -> None:
         self.recorded: list[Finding] = []
-        self.note = ""
+        self.notes: list[str] = []
         """The things that were left out, in words."""
+        self.unstaged: list[str] = []
+        """The runs that were left out because the catalogue has no room to stage them."""
+
+    @property
+    def note(self) -> str:
+        """All that was left out, in words; empty if nothing was."""
+        runs = [f"no room to stage {', '.join(self.unstaged)}"] if self.unstaged else []
+        return "; ".join([*self.notes, *runs])
 
     def add(self, subject: str, message: str) -> None:
         """Record a finding."""

@@ -8,7 +8,6 @@ import numpy as np
 from oodscen.data._catalogue import RoadMap
 from oodscen.data._scene import Trigger
 from oodscen.driving._motion.behaviours import having
-from oodscen.driving._sight.placement import staging_issues
 from oodscen.protocols import Control
 from oodscen.testing._kit.findings import NotApplicable
 from oodscen.testing._kit.probe import Probe
@@ -57,7 +56,7 @@ def _fault(probe: Probe, name: str, road: RoadMap) -> str:
         parameters={key: value for key, value in wanted.items() if key in kind.parameters},
     )
     scene = probe.scene(actor, road=road, speed=8.0)
-    if staging_issues(scene, probe.catalogue):
+    if not probe.can_stage(scene, f"a lane change on {road.id}"):
         return ""
     dt = probe.simulator.dt
     states = probe.run(scene, constantly(Control()), steps=round(_SECONDS / dt))

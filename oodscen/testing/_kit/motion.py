@@ -13,7 +13,6 @@ from oodscen.data._catalogue import RoadMap
 from oodscen.data._scene import Trigger
 from oodscen.driving._motion.behaviours import BUILT_IN, DRIVES_IN_LANE
 from oodscen.driving._roads.building import load_corridor
-from oodscen.driving._sight.placement import staging_issues
 from oodscen.protocols import Control
 from oodscen.testing._kit.behaviours import check_behaviour
 from oodscen.testing._kit.comparing import ACROSS_M, compare
@@ -36,7 +35,6 @@ _LEAST_BEND = 1e-9
 def check_motion(probe: Probe) -> None:
     """Check starts, controls, behaviours, triggers, lane changes, reactions and contacts against the reference world."""
     findings = probe.findings
-    notes = []
     for name, part in (
         ("starts", _check_starts),
         ("ego", check_ego),
@@ -51,13 +49,12 @@ def check_motion(probe: Probe) -> None:
             try:
                 part(probe)
             except NotApplicable as reason:
-                notes.append(f"{name} not tried, {reason}")
+                findings.notes.append(f"{name} not tried, {reason}")
     own = [kind.id for kind in probe.catalogue.behaviours if kind.id not in BUILT_IN]
     if own:
-        notes.append(
+        findings.notes.append(
             f"of the simulator's own behaviours only starts are compared: {', '.join(own)}"
         )
-    findings.note = "; ".join(notes)
     for kind in probe.catalogue.behaviours:
         with findings.trying(f"behaviour {kind.id}"):
             check_behaviour(probe, kind)
@@ -120,8 +117,9 @@ def _check_bends(probe: Probe) -> None:
                 },
             )
             scene = probe.scene(actor, road=road, speed=2.0)
-            if not staging_issues(scene, probe.catalogue):
-                compare(probe, scene, kind, f"behaviour {name} in a bend{words}", SECONDS)
+            subject = f"behaviour {name} in a bend{words}"
+            if probe.can_stage(scene, subject):
+                compare(probe, scene, kind, subject, SECONDS)
 
 
 class _Bend(NamedTuple):

@@ -11,6 +11,7 @@ from oodscen.data._catalogue import Asset, Catalogue, RoadMap
 from oodscen.data._category import Category
 from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger, Weather
 from oodscen.driving._roads.building import load_corridor
+from oodscen.driving._sight.placement import staging_issues
 from oodscen.driving._staged_scene import StagedScene
 from oodscen.protocols import Camera, Control, Observation, Simulator, State
 from oodscen.testing._kit.findings import Findings, NotApplicable
@@ -72,6 +73,13 @@ class Probe:
             NotApplicable: If there is none.
         """
         return self.asset_for("vehicle", "object", "work_zone")
+
+    def can_stage(self, scene: Scene, subject: str) -> bool:
+        """Return whether a scene can be staged, and note its subject if it cannot."""
+        if staging_issues(scene, self.catalogue):
+            self.findings.unstaged.append(subject)
+            return False
+        return True
 
     def camera(self, width: int = 160, height: int = 120) -> Camera:
         """Return the camera of the simulator's kind; one above the ego is near enough for small pictures."""

@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 
 from oodscen.data._scene import Scene, Trigger
 from oodscen.driving._motion.boxes import Footprint, gap
-from oodscen.driving._sight.placement import staging_issues
 from oodscen.errors import OodscenError
 from oodscen.protocols import Control
 from oodscen.testing._kit.findings import NotApplicable
@@ -37,13 +36,13 @@ def check_triggers(probe: Probe) -> None:
         actor = probe.doing(name, ahead=50.0, trigger=trigger, parameters=parameters)
         marks = [probe.still(mark, id="mark", ahead=30.0, offset=3.4)] if trigger.actor else []
         scene = probe.scene(actor, *marks, road=probe.widest, speed=10.0)
-        if marks and staging_issues(scene, probe.catalogue):
+        subject = f"trigger by {trigger.kind}" + (" to another actor" if marks else "")
+        if marks and not probe.can_stage(scene, subject):
             continue
         tracks, reference = run_both(probe, scene, constantly(Control()))
         onset_s, expected_s = tracks.onset(1), reference.onset(1)
         if expected_s is None:
             continue
-        subject = f"trigger by {trigger.kind}" + (" to another actor" if marks else "")
         if onset_s is None:
             probe.findings.add(subject, f"never shows in {name!r}")
         elif not abs(onset_s - expected_s) <= ONSET_S:
