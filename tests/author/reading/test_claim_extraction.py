@@ -210,6 +210,7 @@ def test_an_hour_does_not_start_in_its_minutes(clock):
         "Dogs are absent. There used to be a box in the lane.",
         "0 dogs are here, and zero cats.",
         "The road is free of animals, devoid of cars and empty of people.",
+        "The air is devoid of fog and void of any rain. The sky is empty of snow, and the road is clear of ice.",
         "The street is free of cars, bikes or people. The lane is completely clear of vehicles.",
         "The ego is not in the left lane. There is no heavy traffic or rush hour.",
         "The lights have been dark since noon. The market stays open until midnight.",
