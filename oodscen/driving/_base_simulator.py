@@ -120,7 +120,7 @@ class BaseSimulator(Brief, ABC):
         issues = staging_issues(scene, catalogue)
         if scene.motions and not self.plays_motions:
             fault = f"{self.name} moves bodies by itself and cannot play motions made to order"
-            issues = [Issue("motions", fault)]
+            issues.append(Issue("motions", fault))
         if not issues and isinstance(self, ChecksScenes):
             issues = own_issues(self, scene)
         if issues:
