@@ -3,6 +3,11 @@
 from decimal import ROUND_HALF_UP, Decimal
 
 
+def exact(value: float) -> str:
+    """Return a number as the shortest text that reads back as the same number."""
+    return repr(float(value)).removesuffix(".0")
+
+
 def tenths(value: float) -> str:
     """Return a number with one decimal; halves go away from zero, also where the binary number lies just below.
 

@@ -271,7 +271,7 @@ class Control:
         """Return whether both values are finite numbers."""
         try:
             return math.isfinite(self.acceleration) and math.isfinite(self.steering)
-        except (TypeError, OverflowError):
+        except (TypeError, ValueError, OverflowError):
             return False
 
 

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._decimals import speed, tenths
+from oodscen._decimals import exact, speed, tenths
 
 
 @given(st.integers(-100_000, 100_000))
@@ -21,6 +21,12 @@ def test_sums_of_steps_are_rounded_like_their_decimal_values(steps: int) -> None
 @given(st.floats(-1e9, 1e9))
 def test_the_text_lies_within_half_a_tenth(value: float) -> None:
     assert abs(float(tenths(value)) - value) <= 0.05 + 1e-6
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_an_exact_number_is_read_back_and_has_no_empty_decimals(value: float) -> None:
+    assert float(exact(value)) == value
+    assert not exact(value).endswith(".0")
 
 
 def test_huge_numbers_are_shown_all_the_same() -> None:

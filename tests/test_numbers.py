@@ -1,6 +1,7 @@
 """Numbers that a script gives: those that nobody can mean are refused, whatever function they are for."""
 
 import math
+from decimal import Decimal
 
 import numpy as np
 import pytest
@@ -183,9 +184,9 @@ def test_a_plain_number_is_left_alone(value):
     assert plain_number(value) is value
 
 
-@pytest.mark.parametrize("value", [math.nan, math.inf, 10**400, "3", None, [], 1j])
+@pytest.mark.parametrize("value", [math.nan, math.inf, 10**400, "3", None, [], 1j, Decimal("sNaN")])
 def test_controls(value):
-    for control in (Control(value, 0.0), Control(0.0, value)):
+    for control in (Control(value, 0.0), Control(0.0, value), value):
         with pytest.raises(UsageError):
             checked_control(control)
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self, get_args
 
 from pydantic import Field, model_validator
 
+from oodscen._decimals import exact
 from oodscen._field_docs import with_fields
 from oodscen.data._base import Data, LeanData
 from oodscen.data._category import Category
@@ -346,20 +347,22 @@ class Catalogue(LeanData):
     def _check_weather(self, weather: Weather) -> list[Issue]:
         allowed, issues = self.weather, []
         if weather.sun_elevation_deg < allowed.min_sun_elevation_deg:
-            issues.append(Issue("sun_elevation_deg", f"at least {allowed.min_sun_elevation_deg:g}"))
+            issues.append(
+                Issue("sun_elevation_deg", f"at least {exact(allowed.min_sun_elevation_deg)}")
+            )
         if weather.fog_visual_range_m < allowed.min_fog_visual_range_m:
             issues.append(
-                Issue("fog_visual_range_m", f"at least {allowed.min_fog_visual_range_m:g}")
+                Issue("fog_visual_range_m", f"at least {exact(allowed.min_fog_visual_range_m)}")
             )
         if weather.precipitation not in allowed.precipitation:
             offered = ", ".join(allowed.precipitation)
             issues.append(Issue("precipitation", f"{weather.precipitation!r}: only {offered}"))
         elif weather.precipitation_mm_h > allowed.max_precipitation_mm_h:
             issues.append(
-                Issue("precipitation_mm_h", f"at most {allowed.max_precipitation_mm_h:g}")
+                Issue("precipitation_mm_h", f"at most {exact(allowed.max_precipitation_mm_h)}")
             )
         if weather.friction < allowed.min_friction:
-            issues.append(Issue("friction", f"at least {allowed.min_friction:g}"))
+            issues.append(Issue("friction", f"at least {exact(allowed.min_friction)}"))
         return issues
 
 
@@ -385,8 +388,8 @@ def _check_parameters(kind: BehaviourKind, given: Mapping[str, float]) -> list[I
         if (allowed := kind.parameters.get(name)) is None:
             issues += _unknown(name, "parameter", name, kind.parameters)
         elif not allowed.minimum <= value <= allowed.maximum:
-            limits = f"{allowed.minimum:g} to {allowed.maximum:g}"
-            issues.append(Issue(name, f"{value:g} is outside {limits}"))
+            limits = f"{exact(allowed.minimum)} to {exact(allowed.maximum)}"
+            issues.append(Issue(name, f"{exact(value)} is outside {limits}"))
     return issues
 
 

@@ -1,6 +1,5 @@
 """The common base of the base classes for simulators: catalogue, life cycle and road of a scene."""
 
-import math
 from abc import ABC, abstractmethod
 from typing import ClassVar, Self
 
@@ -86,7 +85,9 @@ class BaseSimulator(Brief, ABC):
 
         Raises:
             SimulatorError: If `draw` returns something else than a frame of the camera's size.
+            UsageError: If the camera is none.
         """
+        instance_of("camera", camera, Camera)
         bodies = len(self.state().ids)
         return own_frame(self.draw(camera), camera, bodies, f"{self.name}: draw()")
 
@@ -119,7 +120,7 @@ class BaseSimulator(Brief, ABC):
         issues = staging_issues(scene, catalogue)
         if scene.motions and not self.plays_motions:
             fault = f"{self.name} moves bodies by itself and cannot play motions made to order"
-            issues = [Issue("motions", fault)]
+            issues.append(Issue("motions", fault))
         if not issues and isinstance(self, ChecksScenes):
             issues = own_issues(self, scene)
         if issues:
@@ -150,16 +151,11 @@ def render_checked(simulator: Simulator, camera: Camera, bodies: int) -> Frame:
 
 
 def checked_control(control: Control) -> Control:
-    """Return a control if it is finite.
+    """Return a control of finite numbers.
 
     Raises:
-        UsageError: If it is not, which means that its driver is broken.
+        UsageError: If it is anything else, which means that its driver is broken.
     """
-    for name, value in (("acceleration", control.acceleration), ("steering", control.steering)):
-        try:
-            is_finite = math.isfinite(value)
-        except (TypeError, ValueError, OverflowError):
-            is_finite = False
-        if not is_finite:
-            raise UsageError(f"control: {name} must be finite, not {said(value)}")
+    if not isinstance(control, Control) or not control.is_finite:
+        raise UsageError(f"step() needs a Control of finite numbers, not {said(control, 200)}")
     return control

@@ -4,6 +4,7 @@ Everything is NumPy over arrays of bodies and uses only + - * / and square roots
 bit does not depend on the machine.
 """
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +18,8 @@ LEAST_SPEED_MPS = 0.1
 """Speed of the ego below which there is no time headway, m/s."""
 _STILL_MPS = 1e-9
 """Closing speed below which bodies keep their distance along an axis, m/s."""
+_MOST_PAIRS = 1_000_000
+"""Footprints of the ego and of actors that are compared at once; more would need much memory."""
 
 
 class Footprints(NamedTuple):
@@ -53,20 +56,13 @@ def time_to_collision(a: Footprints, b: Footprints, vx: Floats, vy: Floats) -> F
         Seconds; 0 if they overlap, infinity if they do not touch within `TTC_LIMIT_S`.
     """
     dx, dy = b.x - a.x, b.y - a.y
-    cos, sin = a.cos * b.cos + a.sin * b.sin, a.cos * b.sin - a.sin * b.cos
-    along, across = np.abs(cos), np.abs(sin)
     enter = np.zeros(np.broadcast_shapes(dx.shape, vx.shape))
     leave = np.full(enter.shape, np.inf)
-    for ux, uy, reach in (
-        (a.cos, a.sin, a.half_length + b.half_length * along + b.half_width * across),
-        (-a.sin, a.cos, a.half_width + b.half_length * across + b.half_width * along),
-        (b.cos, b.sin, b.half_length + a.half_length * along + a.half_width * across),
-        (-b.sin, b.cos, b.half_width + a.half_length * across + a.half_width * along),
-    ):
+    for ux, uy, reach in _axes(a, b):
         place, speed = dx * ux + dy * uy, vx * ux + vy * uy
         is_still = np.abs(speed) < _STILL_MPS
-        safe = np.where(is_still, 1.0, speed)
-        from_below, from_above = (-reach - place) / safe, (reach - place) / safe
+        divisor = np.where(is_still, 1.0, speed)
+        from_below, from_above = (-reach - place) / divisor, (reach - place) / divisor
         is_apart = np.abs(place) > reach
         always_or_never = np.where(is_apart, np.inf, -np.inf)
         first = np.where(is_still, always_or_never, np.minimum(from_below, from_above))
@@ -78,25 +74,19 @@ def time_to_collision(a: Footprints, b: Footprints, vx: Floats, vy: Floats) -> F
 def overlap(a: Footprints, b: Footprints) -> NDArray[np.bool_]:
     """Return which boxes overlap or touch."""
     dx, dy = b.x - a.x, b.y - a.y
-    cos, sin = np.abs(a.cos * b.cos + a.sin * b.sin), np.abs(a.cos * b.sin - a.sin * b.cos)
-    return (
-        (
-            np.abs(dx * a.cos + dy * a.sin)
-            <= a.half_length + b.half_length * cos + b.half_width * sin
-        )
-        & (
-            np.abs(dy * a.cos - dx * a.sin)
-            <= a.half_width + b.half_length * sin + b.half_width * cos
-        )
-        & (
-            np.abs(dx * b.cos + dy * b.sin)
-            <= b.half_length + a.half_length * cos + a.half_width * sin
-        )
-        & (
-            np.abs(dy * b.cos - dx * b.sin)
-            <= b.half_width + a.half_length * sin + a.half_width * cos
-        )
-    )
+    touches = [np.abs(dx * ux + dy * uy) <= reach for ux, uy, reach in _axes(a, b)]
+    return np.asarray(np.all(touches, axis=0))
+
+
+def _axes(a: Footprints, b: Footprints) -> Iterator[tuple[Floats, Floats, Floats]]:
+    """Yield every edge normal of two boxes, and the distance of the centres along it at which the boxes touch, m."""
+    cos = np.abs(a.cos * b.cos + a.sin * b.sin)
+    sin = np.abs(a.cos * b.sin - a.sin * b.cos)
+    for one, other in ((a, b), (b, a)):
+        along = one.half_length + other.half_length * cos + other.half_width * sin
+        across = one.half_width + other.half_length * sin + other.half_width * cos
+        yield one.cos, one.sin, along
+        yield -one.sin, one.cos, across
 
 
 def post_encroachment(ego: Footprints, others: Footprints, dt: float) -> Floats:
@@ -119,12 +109,15 @@ def post_encroachment(ego: Footprints, others: Footprints, dt: float) -> Floats:
     reach = np.sqrt(ego.half_length[0] ** 2 + ego.half_width[0] ** 2) + np.sqrt(
         others.half_length[0] ** 2 + others.half_width[0] ** 2
     )
-    dx = others.x[None, :, :] - ego.x[:, None, None]
-    dy = others.y[None, :, :] - ego.y[:, None, None]
-    ego_step, actor_step, actor = np.nonzero(dx * dx + dy * dy <= reach * reach)
-    shares_ground = overlap(ego.at(ego_step), others.at(actor_step, actor))
-    apart = np.abs(ego_step - actor_step)[shares_ground] * dt
-    np.minimum.at(times, actor[shares_ground], apart)
+    block = max(1, _MOST_PAIRS // others.x.size)
+    for first in range(0, steps, block):
+        dx = others.x[None, :, :] - ego.x[first : first + block, None, None]
+        dy = others.y[None, :, :] - ego.y[first : first + block, None, None]
+        row, actor_step, actor = np.nonzero(dx * dx + dy * dy <= reach * reach)
+        ego_step = first + row
+        shares_ground = overlap(ego.at(ego_step), others.at(actor_step, actor))
+        apart = np.abs(ego_step - actor_step)[shares_ground] * dt
+        np.minimum.at(times, actor[shares_ground], apart)
     return times
 
 

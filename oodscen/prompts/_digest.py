@@ -5,6 +5,7 @@ from collections import Counter
 from functools import cached_property, lru_cache
 from typing import Self
 
+from oodscen._decimals import exact
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap
 from oodscen.data._category import Category
@@ -175,7 +176,7 @@ def _part_line(part: str, catalogue: Catalogue) -> str:
 
 def _behaviour_line(kind: BehaviourKind) -> BehaviourLine:
     parameters = ", ".join(
-        f"{name} {parameter.minimum:g}..{parameter.maximum:g} ({parameter.default:g}) "
+        f"{name} {exact(parameter.minimum)}..{exact(parameter.maximum)} ({exact(parameter.default)}) "
         f"{parameter.description}".rstrip()
         for name, parameter in kind.parameters.items()
     )

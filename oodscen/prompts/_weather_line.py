@@ -4,12 +4,15 @@ import re
 from dataclasses import dataclass
 from typing import Self, assert_never
 
+from oodscen._decimals import exact
 from oodscen.data._additions import DENSE_FOG_M, ICE
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG, WeatherKind, is_weather_kind
 
 _CLEAR_FROM_M = 5_000.0
 """Visual range from which the air counts as clear, m."""
+_NADIR_DEG = -90.0
+"""Elevation below which no sun goes, degrees."""
 
 
 @dataclass(frozen=True)
@@ -25,8 +28,8 @@ class WeatherLimits:
     """Greatest precipitation intensity, mm/h."""
     friction: float
     """Least friction."""
-    sun_deg: float = -90.0
-    """Lowest elevation of the sun, degrees; stated only where there is no night."""
+    sun_deg: float = _NADIR_DEG
+    """Lowest elevation of the sun, degrees."""
     sun_is_drawn: bool = True
     """False if every sun looks alike."""
     others: tuple[str, ...] = ()
@@ -49,7 +52,7 @@ class WeatherLimits:
             snow=re.search(r"\bsnow\b", scaled) is not None,
             intensity=number("up to", 0.0),
             friction=number("friction down to", 1.0),
-            sun_deg=number("sun at", -90.0),
+            sun_deg=number("sun at", _NADIR_DEG),
             sun_is_drawn="every sun looks alike" not in scaled,
             others=tuple(others.split(", ")) if others else (),
         )
@@ -78,18 +81,19 @@ def weather_line(catalogue: Catalogue) -> str:
     """Return the line of a catalogue; `WeatherLimits.of` reads it back."""
     weather = catalogue.weather
     lowest = weather.min_sun_elevation_deg
-    no_night = f"no night (sun at {lowest:g} degrees or higher)"
-    parts = ["night" if lowest < DUSK_DEG else no_night]
+    parts = ["night" if lowest < DUSK_DEG else "no night"]
+    if lowest > _NADIR_DEG:
+        parts[0] += f" (sun at {exact(lowest)} degrees or higher)"
     if not weather.sun_is_drawn:
         parts.append("every sun looks alike: neither dusk nor glare")
     fog = weather.min_fog_visual_range_m
-    parts.append(f"fog down to {fog:g} m visual range" if fog < _CLEAR_FROM_M else "no fog")
+    parts.append(f"fog down to {exact(fog)} m visual range" if fog < _CLEAR_FROM_M else "no fog")
     kinds = [kind for kind in weather.precipitation if kind != "none"]
     if kinds:
-        parts.append(f"{' and '.join(kinds)} up to {weather.max_precipitation_mm_h:g} mm/h")
+        parts.append(f"{' and '.join(kinds)} up to {exact(weather.max_precipitation_mm_h)} mm/h")
     else:
         parts.append("no precipitation")
-    parts.append(f"road friction down to {weather.min_friction:g}")
+    parts.append(f"road friction down to {exact(weather.min_friction)}")
     if weather.others:
         parts.append(f"also {', '.join(weather.others)}, which no scene can ask for")
     return "; ".join(parts)

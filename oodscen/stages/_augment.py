@@ -32,8 +32,8 @@ from oodscen.stages._hazard_words import visible_of, visible_of_map
 class Augmenter(Brief):
     """Asks the augmenter-LLM to stage texts; every scene it returns is valid and runs.
 
-    Before staging, the claims of a text are extracted from the text alone. The model is told them, says which
-    actor shows which thing, or that the simulator cannot show the text. Every scene is checked against
+    Before staging, the claims of a text are extracted from the text alone. The model is told them, and says
+    which actor shows which thing, or that the simulator cannot show the text. Every scene is checked against
     the claims, and what it contradicts is fed back.
 
     Args:

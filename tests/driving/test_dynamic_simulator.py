@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from oodscen import simulate
 from oodscen._abilities import ChecksScenes, Snapshots
+from oodscen.data._motion import Motion
 from oodscen.data._scene import Ego, Trigger
 from oodscen.driving import DynamicSimulator, KinematicWorld, RestorableSimulator, StagedScene
 from oodscen.driving._sight.placement import staging_issues
@@ -19,6 +20,7 @@ from oodscen.testing import example_scene
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._new.adapter import MySimulator
 from tests.driving.staging import CATALOGUE, actor, scene, world
+from tests.motions import STREAM
 
 CAR = scene(
     actor("box", "cardboard_box", ahead=80.0),
@@ -209,6 +211,15 @@ def test_a_behaviour_of_its_own_runs_by_the_one_that_it_is_like() -> None:
     engine.reset(staged, 0)
     assert engine.staged.bodies[1].behaviour == "mobil"
     assert engine.staged.bodies[1].speed > 0.0
+
+
+def test_motions_that_cannot_be_played_are_refused_beside_all_other_faults() -> None:
+    walker = actor("walker", "adult", "stream", ahead=40.0)
+    staged = scene(walker, actor("box", "no_box", ahead=80.0))
+    staged = staged.model_copy(update={"motions": (Motion.model_validate(STREAM),)})
+    with pytest.raises(SceneError) as caught:
+        Engine().reset(staged, 0)
+    assert [issue.path for issue in caught.value.issues] == ["actors[1].asset", "motions"]
 
 
 def test_a_simulator_refuses_scenes_by_its_own_check() -> None:

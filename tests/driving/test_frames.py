@@ -10,7 +10,7 @@ from hypothesis.extra.numpy import array_shapes, arrays, scalar_dtypes
 
 from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._frames import own_frame
-from oodscen.errors import SimulatorError
+from oodscen.errors import SimulatorError, UsageError
 from oodscen.protocols import Camera, Frame
 from oodscen.testing import example_scene
 from oodscen.testing._flat import FlatSimulator
@@ -78,6 +78,13 @@ def test_any_array_is_taken_or_refused(name: str, data) -> None:
     except SimulatorError:
         return
     assert {one.shape[:2] for one in (mine.rgb, mine.depth, mine.ids)} == {(3, 4)}
+
+
+def test_a_view_that_no_camera_takes_is_refused() -> None:
+    with FlatSimulator() as simulator:
+        simulator.reset(example_scene(), 0)
+        with pytest.raises(UsageError, match="camera must be a Camera, not None"):
+            simulator.render(None)
 
 
 class Lies(FlatSimulator):

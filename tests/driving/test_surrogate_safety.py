@@ -1,6 +1,7 @@
 """Conflict measures: laws that hold for any two boxes."""
 
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -179,6 +180,18 @@ def test_post_encroachment_is_the_least_over_all_pairs_of_steps(path, paths, siz
             if overlap(prints(one), prints(other))[0]
         ]
         assert value == pytest.approx(min(times, default=math.inf))
+
+
+def test_post_encroachment_of_many_bodies_over_many_steps_takes_little_memory():
+    step, actor = np.arange(1000), np.arange(20)
+    ego = row(np.where(step < 500, 0.0, 100.0), 0.0)
+    others = row(np.where(step[:, None] < 600 + actor, -100.0, 0.0), 0.0)
+    tracemalloc.start()
+    found = post_encroachment(ego, others, 0.5)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert found.tolist() == [0.5 * (101 + number) for number in actor]
+    assert peak < 200e6
 
 
 @pytest.mark.parametrize("scale", [1.0, 0.125])

@@ -14,10 +14,6 @@ def limits(**fields) -> WeatherLimits:
     return WeatherLimits.of(weather_line(FLAT_CATALOGUE.model_copy(update={"weather": weather})))
 
 
-def shown(value: float) -> float:
-    return float(f"{value:g}")
-
-
 @given(
     st.floats(-90.0, 90.0),
     st.floats(0.0, CLEAR_AIR_M),
@@ -39,12 +35,12 @@ def test_every_limit_is_read_back(sun, fog, intensity, friction, kinds, is_drawn
     )
     assert read == WeatherLimits(
         night=sun < DUSK_DEG,
-        fog_m=shown(fog) if fog < 5_000.0 else CLEAR_AIR_M,
+        fog_m=fog if fog < 5_000.0 else CLEAR_AIR_M,
         rain="rain" in kinds,
         snow="snow" in kinds,
-        intensity=shown(intensity) if kinds else 0.0,
-        friction=shown(friction),
-        sun_deg=-90.0 if sun < DUSK_DEG else shown(sun),
+        intensity=intensity if kinds else 0.0,
+        friction=friction,
+        sun_deg=sun,
         sun_is_drawn=is_drawn,
         others=tuple(others),
     )

@@ -36,7 +36,7 @@ class Islands:
 
     @classmethod
     def of(cls, ground: Ground, road_corners: Array) -> Self:
-        """Find the land that cannot be reached without crossing asphalt.
+        """Find the land, short of countryside, that cannot be reached without crossing asphalt.
 
         Args:
             ground: The roads.
@@ -53,14 +53,17 @@ class Islands:
         grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
         away = ground.near(grid[:, 0], grid[:, 1]).asphalt.reshape(columns, rows)
         labels, enclosed = _enclosed(away > 0.0)
-        circles = []
+        islands, circles = [], []
         for label in enclosed:
             radii = np.where(labels == label, away, -1.0)
             radius = float(radii.max())
-            if _REFUGE_M < radius < _LARGEST_M:
+            if radius >= _LARGEST_M:
+                continue
+            islands.append(label)
+            if radius > _REFUGE_M:
                 i, j = divmod(int(radii.argmax()), rows)
                 circles.append((float(x[i]), float(y[j]), radius))
-        return cls((float(low[0]), float(low[1])), np.isin(labels, enclosed), tuple(circles))
+        return cls((float(low[0]), float(low[1])), np.isin(labels, islands), tuple(circles))
 
     @classmethod
     def _empty(cls) -> Self:

@@ -1,5 +1,6 @@
 """The shape of the land: undulations, hills on the horizon, ditches, and the ground at tunnels and bridges."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Self
 
@@ -103,12 +104,10 @@ class Relief:
         away = np.maximum(near.asphalt, 0.0)
         ditch = np.zeros(len(x)) if self.ground.has_kerb else _ditch(away)
         spots = _Spots(near.s, away, near.z, ditch)
-        beside = near.z + self._hills(x, y, away) + ditch
-        heights = Heights(beside, beside, np.zeros(len(x), bool))
-        for structure in self.ground.corridor.structures:
-            if structure.kind == "tunnel":
-                heights = _with_tunnel(heights, spots, structure)
-        for structure in self.ground.corridor.structures:
+        structures = self.ground.corridor.structures
+        tunnels = [one for one in structures if one.kind == "tunnel"]
+        heights = _with_tunnels(near.z + self._hills(x, y, away) + ditch, spots, tunnels)
+        for structure in structures:
             if structure.kind == "bridge":
                 heights = _with_valley(heights, spots, structure)
         return heights
@@ -131,15 +130,17 @@ class Relief:
         return np.asarray(low * (1 - b) + high * b, np.float64)
 
 
-def _with_tunnel(heights: Heights, spots: _Spots, tunnel: Structure) -> Heights:
-    """Raise the ground beside a tunnel's portals, and the hill above it."""
-    before = np.maximum(tunnel.start - spots.s, spots.s - tunnel.end)
+def _with_tunnels(bare: Array, spots: _Spots, tunnels: Sequence[Structure]) -> Heights:
+    """Raise the ground beside the portals of tunnels, and the hills above them."""
+    before = np.full(len(bare), np.inf)
+    for tunnel in tunnels:
+        before = np.minimum(before, np.maximum(tunnel.start - spots.s, spots.s - tunnel.end))
     bank = _rise(spots.away, _BANK_NEAR_M, BANK_M) * PORTAL_M
     deep = np.maximum(-before, 0.0)
     return Heights(
-        heights.beside + bank * _fall(np.maximum(before, 0.0), *_BANK_FADE_M),
-        heights.across + PORTAL_M + np.minimum(_COVER_SLOPE * deep, _COVER_M),
-        heights.is_above | (before <= 0.0),
+        bare + bank * _fall(np.maximum(before, 0.0), *_BANK_FADE_M),
+        bare + PORTAL_M + np.minimum(_COVER_SLOPE * deep, _COVER_M),
+        before <= 0.0,
     )
 
 

@@ -34,7 +34,6 @@ from oodscen.driving._motion.off_centre import off_centre
 from oodscen.errors import LLMError
 from oodscen.prompts._digest import CatalogueDigest, MapLine
 from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
-from oodscen.prompts._weather_line import WeatherLimits
 
 _PLAIN_FROM = 2
 """Attempt, from 0, from which a scene has nothing beside the recipe that could be refused."""
@@ -121,8 +120,7 @@ class Stager:
         road = _map_for(place, told, digest)
         offered = {asset.id: asset for asset in digest.assets}
         recipe = recipe_aside(with_variant(told.recipe, told.text), told.text, offered)
-        limits = WeatherLimits.of(digest.weather)
-        weather, ordinary = draw_weather(recipe, told, self.knowledge, limits, rng)
+        weather, ordinary = draw_weather(recipe, told, self.knowledge, digest.limits, rng)
         recipe, lane = with_ego_lane(recipe, road, told.text, rng)
         speeds = place.speed if suits_any_speed(recipe) else recipe.speed
         usual_speed = round(float(rng.uniform(*speeds)), 2)

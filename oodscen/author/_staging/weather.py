@@ -123,8 +123,6 @@ def _within_limits(fields: dict[str, Any], limits: WeatherLimits) -> Weather:
     if "fog_visual_range_m" in limited:
         limited["fog_visual_range_m"] = max(limited["fog_visual_range_m"], limits.fog_m)
     limited["friction"] = max(limited.get("friction", 1.0), limits.friction)
-    if not limits.night:
-        limited["sun_elevation_deg"] = max(
-            limited.get("sun_elevation_deg", 45.0), limits.sun_deg, 0.0
-        )
+    lowest = limits.sun_deg if limits.night else max(limits.sun_deg, 0.0)
+    limited["sun_elevation_deg"] = max(limited.get("sun_elevation_deg", 45.0), lowest)
     return Weather.model_validate(limited)

@@ -1,14 +1,16 @@
 import re
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from oodscen._seeding import stream
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.author._knowledge.base import Knowledge
 from oodscen.author._realisation import realise
 from oodscen.author._writing.compose import Composer
-from oodscen.data._catalogue import Catalogue
-from oodscen.data._scene import Scene
+from oodscen.data._catalogue import Catalogue, WeatherRange
+from oodscen.data._scene import PRECIPITATIONS, Scene
 from oodscen.driving._sight.placement import check_scene
 from oodscen.errors import LLMError
 from oodscen.prompts._digest import CatalogueDigest
@@ -139,6 +141,32 @@ def test_the_weather_is_that_of_the_text(
     draft = ask(author, StageScene(text=text, path=(), catalogue=digest))
     assert holds(draft.weather)
     assert draft.hazard.weather is None
+
+
+@given(
+    sun=st.floats(-90.0, 90.0),
+    fog_m=st.floats(20.0, 4_000.0),
+    most=st.floats(0.1, 50.0),
+    friction=st.floats(0.1, 0.9),
+    told=st.sampled_from(["at night", "in steady rain", "on a snowy day", "in light fog"]),
+)
+@settings(max_examples=30)
+def test_the_weather_is_one_that_the_simulator_shows(
+    author: BuiltinAuthor, ask, catalogue: Catalogue, sun, fog_m, most, friction, told
+) -> None:
+    weather = WeatherRange(
+        min_sun_elevation_deg=sun,
+        min_fog_visual_range_m=fog_m,
+        precipitation=PRECIPITATIONS,
+        max_precipitation_mm_h=most,
+        min_friction=friction,
+    )
+    dim = catalogue.model_copy(update={"weather": weather})
+    text = (
+        f"Ego drives on a two-lane residential road {told}. A large cardboard box lies in its lane."
+    )
+    draft = ask(author, StageScene(text=text, path=(), catalogue=CatalogueDigest.of(dim)))
+    assert not check_scene(scene_of(draft), dim)
 
 
 def test_weather_as_hazard_has_an_ordinary_counterpart(

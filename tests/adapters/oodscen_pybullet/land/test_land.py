@@ -141,7 +141,14 @@ def test_the_ground_covers_a_tunnel():
     assert not tunnel.at(251.0, -WIDTH / 2)
 
 
-ROUNDABOUT = next(road for road in SHIPPED_MAPS if road.id == "roundabout")
+@given(st.floats(10.0, 200.0), st.integers(1, 399), st.integers(-100, 100))
+def test_the_land_is_as_high_at_a_tunnel_wherever_the_next_one_is(gap, x, y):
+    first, second = Structure("tunnel", 100.0, 150.0), Structure("tunnel", 150.0 + gap, 380.0)
+    both, *each = (
+        Terrain(Ground(straight("solid", some)), "rural", np.random.default_rng(0)).height(x, y)
+        for some in ((first, second), (first,), (second,))
+    )
+    assert both == max(each)
 
 
 def test_an_island_is_turf_within_a_paved_rim():
