@@ -292,6 +292,7 @@ class AnswerError(LLMError):
     issues: tuple[Issue, ...] = ()
     raw: str = ""
     attempts: int = 0
+    """Number of answers; 0 if no answer to the question could be valid, so that it was not asked."""
 
     def __init__(
         self, model: str, purpose: str, issues: Sequence[Issue], raw: str, attempts: int
@@ -301,10 +302,10 @@ class AnswerError(LLMError):
         self.raw = raw
         self.attempts = attempts
         faults = "; ".join(map(str, self.issues))
-        super().__init__(
-            f"{model} gave no valid answer to {purpose!r} in {attempts} attempts: {faults}",
-            model=model,
-        )
+        happened = f"gave no valid answer to {purpose!r} in {attempts} attempts"
+        if attempts < 2:
+            happened = f"{'gave no valid answer to' if attempts else 'was not asked'} {purpose!r}"
+        super().__init__(f"{model} {happened}: {faults}", model=model)
 
 
 class SceneError(OodscenError):

@@ -175,3 +175,15 @@ def test_a_name_in_another_case_is_matched(known):
     assert (
         close_matches(known[0].upper(), known) or known[0].upper().casefold() != known[0].casefold()
     )
+
+
+@pytest.mark.parametrize(
+    ("attempts", "words"),
+    [
+        (0, "gpt was not asked 'stage-scene': "),
+        (1, "gpt gave no valid answer to 'stage-scene': "),
+        (3, "gpt gave no valid answer to 'stage-scene' in 3 attempts: "),
+    ],
+)
+def test_an_answer_error_counts_what_was_asked(attempts, words):
+    assert str(errors.AnswerError("gpt", "stage-scene", ISSUES, "", attempts)).startswith(words)
