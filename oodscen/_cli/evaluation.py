@@ -136,17 +136,18 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
         say(line, err=True)
     if grades is not None:
         sys.exit(exit_code(grades))
-    if evaluation.retry_failed and not evaluation.vlms:
-        judged_before = set()  # All of them are judged again.
-    judged_again = _verdict_names(evaluation.vlms, ledger)
-
-    def lacks_an_answer(verdict: "Verdict") -> bool:
-        if verdict.judge_error and evaluation.judge:
-            return True
-        is_judged_here = verdict.model in judged_again or verdict.id not in judged_before
-        return is_judged_here and (verdict.status == "failed" or bool(verdict.judge_error))
-
-    sys.exit(any(map(lacks_an_answer, study.verdicts)))
+    # Without a name, --retry-failed judges all models again.
+    judges_all = evaluation.retry_failed and not evaluation.vlms
+    kept = set() if judges_all else judged_before
+    judged = _verdict_names(evaluation.vlms, ledger)
+    judged_here = [
+        verdict for verdict in study.verdicts if verdict.model in judged or verdict.id not in kept
+    ]
+    unjudged = study.verdicts if evaluation.judge else judged_here
+    sys.exit(
+        any(verdict.status == "failed" for verdict in judged_here)
+        or any(verdict.judge_error for verdict in unjudged)
+    )
 
 
 def _after_drop(name: str) -> str:
