@@ -31,7 +31,6 @@ from oodscen.judging._people import is_person
 from oodscen.judging._references import ALWAYS
 
 if TYPE_CHECKING:
-    from oodscen.data._verdict import Verdict
     from oodscen.judging._leaderboard.requirements import RequirementResult
     from oodscen.llm._accounting import Ledger
     from oodscen.study._config import StudyConfig
