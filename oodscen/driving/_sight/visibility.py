@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple, assert_never
 
+from oodscen.data._base import ROUNDING
 from oodscen.data._scene import CLEAR_AIR_M, FOG_M, Weather
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.numerics._exact import power
@@ -50,11 +51,11 @@ def is_noticeable(weather: Weather, ordinary: Weather) -> bool:
     return (
         (near < FOG_M and near <= 0.5 * far)
         or (weather.precipitation != ordinary.precipitation and much >= 0.5)
-        or (much >= 2.0 and much >= 3.0 * little)
-        or high - low >= 15.0
-        or (low < 8.0 <= high and high - low >= 8.0)
-        or abs(weather.friction - ordinary.friction) >= 0.15
-        or abs(weather.cloud_cover - ordinary.cloud_cover) >= 0.5
+        or (much >= 2.0 and much >= 3.0 * little - ROUNDING)
+        or high - low >= 15.0 - ROUNDING
+        or (low < 8.0 <= high and high - low >= 8.0 - ROUNDING)
+        or abs(weather.friction - ordinary.friction) >= 0.15 - ROUNDING
+        or abs(weather.cloud_cover - ordinary.cloud_cover) >= 0.5 - ROUNDING
     )
 
 

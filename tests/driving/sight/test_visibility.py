@@ -134,6 +134,18 @@ def test_weather_is_noticeable_where_a_person_would_say_so(fields, differs):
     assert is_noticeable(Weather(), Weather(**fields)) is differs
 
 
+@given(
+    st.sampled_from([("friction", 15), ("cloud_cover", 50)]),
+    st.integers(5, 50),
+)
+@example(("friction", 15), 80)
+@example(("cloud_cover", 50), 20)
+def test_a_difference_at_its_limit_is_noticeable(field, hundredths):
+    name, limit = field
+    less, more = (Weather(**{name: share / 100}) for share in (hundredths, hundredths + limit))
+    assert is_noticeable(less, more)
+
+
 def test_sight_lines_meet_the_picture():
     eye = Eye(CAMERA, EGO)
     across, below, depth = eye.to_camera((30.0, 2.0, 1.0))
