@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from oodscen.data._catalogue import Asset
     from oodscen.data._prop import Prop
 
-HELD_M: Size = (2.2, 3.3, 2.2)
-"""Maximum width, length and height of what a person can hold, m; the length is the longer side."""
+HELD_M: Size = (3.3, 2.2, 2.2)
+"""Greatest length, width and height of what a person can hold, m; the length is the longer side."""
 HELD_KG = 60.0
 """Greatest mass of a thing made to order that a person can hold, kg."""
 LOADABLE: frozenset[Category] = frozenset({"object", "work_zone", "vegetation"})
@@ -67,7 +67,7 @@ def check_details(
     if details.holds and can_show["holds"]:
         issues += _thing_issues("holds", details.holds, things, HELD_M, made)
     if details.cargo and offers.bed is not None:
-        room = (offers.bed.width, offers.bed.length, LOAD_HEIGHT_M)
+        room = (offers.bed.length, offers.bed.width, LOAD_HEIGHT_M)
         issues += _thing_issues("cargo", details.cargo, things, room, {})
     return issues
 
@@ -108,11 +108,10 @@ def _thing_issues(
         )
         yield Issue(path, message)
     width, length = sorted((thing.length, thing.width))
-    extents = (width, length, thing.height)
+    extents = (length, width, thing.height)
     if any(extent > most + ROUNDING for extent, most in zip(extents, room, strict=True)):
-        size = f"{length:g} x {width:g} x {thing.height:g} m"
-        most = f"{room[1]:g} x {room[0]:g} x {room[2]:g} m"
-        yield Issue(path, f"{name!r} is {size}, at most {most} fit")
+        size, limits = (f"{a:g} x {b:g} x {c:g} m" for a, b, c in (extents, room))
+        yield Issue(path, f"{name!r} is {size}, at most {limits} fit")
     prop = made.get(name)
     if prop is not None and prop.mass_kg > HELD_KG:
         yield Issue(path, f"{name!r} has {prop.mass_kg:g} kg, and a person holds {HELD_KG:g} kg")

@@ -57,7 +57,8 @@ class TreeGrower(Brief):
         with reporting(progress) as report_progress:
             report_progress("grow", 0, 3)
             give = GiveExamples(shown=self.shown, count=self.examples)
-            examples = tuple(ask(self.llm, give, sample).examples)
+            given = ask(self.llm, give, sample).examples
+            examples = tuple(text for text in given if text.strip())
             report_progress("grow", 1, 3)
             classify = ClassifyExamples(asked=give, given=examples)
             classified = ask(self.llm, classify, sample).examples

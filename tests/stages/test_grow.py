@@ -98,6 +98,14 @@ def test_a_leaf_that_comes_from_an_example_keeps_its_text():
     assert sources == {"vehicle-driving-the-wrong-way": EXAMPLES["examples"][1]}
 
 
+def test_empty_examples_are_no_examples():
+    answer = tree_answer()
+    answer["nodes"][6]["example"] = 2
+    gaps = {"examples": ["", *EXAMPLES["examples"], " "]}
+    llm = ScriptedLLM({"give-examples": gaps, "classify-examples": CLASSES, "propose-tree": answer})
+    assert TreeGrower(llm, nodes=7, examples=2).run() == grown([answer])[0]
+
+
 @pytest.mark.parametrize(
     ("change", "hint"),
     [

@@ -10,6 +10,7 @@ import threading
 import numpy as np
 import pytest
 
+from oodscen.data._catalogue import RoadMap
 from oodscen.data._scene import Weather
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import SpawnError, UnknownComponent, UsageError
@@ -21,6 +22,7 @@ from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 from oodscen.testing._kit.findings import Finding, NotApplicable, PartResult
 from oodscen.testing._kit.isolation import process_faults
 from oodscen.testing._new.adapter import MySimulator
+from tests.driving.networks import file, lane, road
 from tests.driving.staging import actor, scene
 
 SMALL = FLAT_CATALOGUE.model_copy(
@@ -402,6 +404,25 @@ def test_runs_without_room_are_named() -> None:
 
     result, _ = examine_parts(Long, parts=("motion",))
     assert "no room to stage" in result.note, (result.note, result.lines())
+
+
+def test_impossible_scenes_are_impossible_on_every_map_and_with_every_asset(tmp_path) -> None:
+    right = "".join(lane(-index) for index in range(1, 9))
+    (tmp_path / "wide.xodr").write_bytes(file(road("1", 600.0, right=right)))
+    wide = RoadMap(
+        id="wide", description="a motorway", file=str(tmp_path / "wide.xodr"), start_m=100.0,
+        lanes=8, speed_limit=30.0, length_m=600.0,
+    )  # fmt: skip
+    puddle = FLAT_CATALOGUE.asset("puddle")
+    for changes in (
+        {"assets": (puddle,)},
+        {"assets": (puddle, *SMALL.assets)},
+        {"maps": (wide, *SMALL.maps)},
+    ):
+        offered = SMALL.model_copy(update=changes)
+        factory = type("Offering", (Small,), {"catalogue": lambda _, offered=offered: offered})
+        result, _ = examine_parts(factory, parts=("refusals",))
+        assert result.holds, result.lines()
 
 
 def test_what_motion_has_nothing_to_try_with_is_said() -> None:

@@ -94,7 +94,7 @@ def _facing(view: CameraView, lamp: Lamp) -> _Facing:
     if x * x + y * y <= _STEEP * _STEEP:
         return (0.0, 0.0)
     right, forward = view.level(x, y)
-    length = math.sqrt(right * right + forward * forward) or 1.0
+    length = math.sqrt(right * right + forward * forward)
     return (right / length, forward / length)
 
 
@@ -104,10 +104,12 @@ def _has_cone(lamp: Lamp, facing: _Facing) -> bool:
 
 
 def _reach(lamp: Lamp, facing: _Facing) -> float:
-    """Return the distance at which a lamp's light ends, m."""
+    """Return the distance at which a lamp's light ends, m; at least a cell of the grid."""
     if lamp.is_street:
         return _STREET_M
-    return _CONE_M if _has_cone(lamp, facing) else _ROUND_M * math.sqrt(lamp.power)
+    if _has_cone(lamp, facing):
+        return _CONE_M
+    return max(_ROUND_M * math.sqrt(lamp.power), GRID_CELL_M)
 
 
 def _cells(middle: float, reach: float, zero: float, count: int) -> range:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from oodscen._display import Brief
 from oodscen._numbers import finite_number
 from oodscen.driving._drivers.following import LEAST_DESIRED, following_acceleration
+from oodscen.driving._drivers.perception import Perception
 from oodscen.driving._motion.actions import Cruise
 from oodscen.protocols import Control, Observation, State
 
@@ -18,8 +19,8 @@ _FORESIGHT_S = 1.0
 class RuleBasedDriver(Brief):
     """Keeps its lane, follows the actor ahead, and brakes hard when it gets close.
 
-    It drives by the intelligent driver model and knows the true positions of all actors, as a stack with
-    perfect perception would that has no plan but to follow.
+    It drives by the intelligent driver model and knows the true positions of all actors within 60 m, as a
+    stack with perfect perception would that has no plan but to follow.
 
     Args:
         headway_s: Time headway, s.
@@ -47,26 +48,19 @@ class RuleBasedDriver(Brief):
         self.emergency_ttc_s = finite_number("emergency_ttc_s", emergency_ttc_s, 0.0, 60.0)
         self.corridor_m = finite_number("corridor_m", corridor_m, 0.0, 100.0)
         self._cruise = Cruise()
+        self._perception = Perception()
         self._desired: float | None = None
         self._gap, self._closing = math.inf, 0.0
 
     def look(self, state: State) -> None:
         """Find the nearest body ahead, including one that will step into the path soon."""
         self._gap, self._closing = math.inf, 0.0
-        if state.places is None:
-            return
-        s, t = state.places[:, 0], state.places[:, 1]
-        speed = float(state.speeds[0])
-        for row in range(1, len(state.ids)):
-            actor_speed = float(state.speeds[row])
-            turn = float(state.poses[row, 3] - state.poses[0, 3])
-            aside = float(t[row] - t[0])
-            soon_aside = aside + actor_speed * math.sin(turn) * _FORESIGHT_S
-            if s[row] <= s[0] or min(abs(aside), abs(soon_aside)) > self.corridor_m:
-                continue
-            if state.gaps[row] < self._gap:
-                self._gap = float(state.gaps[row])
-                self._closing = speed - actor_speed * math.cos(turn)
+        gaps = dict(zip(state.ids, state.gaps.tolist(), strict=True))
+        for body in self._perception.look(state):
+            right, left = sorted((body.aside, body.aside + body.across * _FORESIGHT_S))
+            is_ahead = right <= self.corridor_m and left >= -self.corridor_m
+            if is_ahead and gaps[body.id] < self._gap:
+                self._gap, self._closing = gaps[body.id], float(state.speeds[0]) - body.along
 
     def act(self, observation: Observation) -> Control:
         """Follow, brake, or keep the speed."""

@@ -31,6 +31,8 @@ CODES: Mapping[str, int] = MappingProxyType(
     }
 )
 """Codes by action id."""
+_COMFORTABLE, _HARDEST = 3.5, 8.0
+"""Decelerations of stopping and of emergency braking, m/s^2."""
 _NO_SHIFT = 1e-9
 """Added to a shift whose root is taken, which may be 0."""
 
@@ -75,11 +77,11 @@ class Plan(NamedTuple):
     """Speed to hold, m/s; negative if the ego brakes to a standstill."""
     deceleration: float
     """Deceleration of an ego that brakes to a standstill, m/s^2."""
-    origin: float = 0.0
+    origin: float
     """Offset at which the move sideways begins, m."""
-    shift: float = 0.0
+    shift: float
     """Length of the move to the left, m."""
-    distance: float = 1.0
+    distance: float
     """Distance travelled during the move, m."""
 
 
@@ -91,9 +93,9 @@ def plan_action(action: int, now: SeenRoad) -> Plan:
     over a distance long enough for its move.
     """
     if action == STOP:
-        return Plan(-1.0, 3.5, 0.0, 0.0, 1.0)
+        return Plan(-1.0, _COMFORTABLE, 0.0, 0.0, 1.0)
     if action == BRAKE:
-        return Plan(-1.0, 8.0, 0.0, 0.0, 1.0)
+        return Plan(-1.0, _HARDEST, 0.0, 0.0, 1.0)
     if action in (LEFT, RIGHT):
         target = now.left if action == LEFT else now.right
         shift = target - now.offset if abs(target) < math.inf else 0.0

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple, assert_never
 
+from oodscen.data._base import ROUNDING
 from oodscen.data._scene import CLEAR_AIR_M, FOG_M, Weather
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.numerics._exact import power
@@ -18,8 +19,8 @@ _FROM_ABOVE = 0.15
 MOST_HIDDEN = 0.8
 """Hidden share of a silhouette from which a body is no longer recognised."""
 
-_GRID = 6
-"""Number of sight lines per direction through a silhouette."""
+_GRIDS = (6, 24, 96)
+"""Numbers of sight lines per direction around a silhouette; a finer grid is for one that the others miss."""
 _LN_20 = 2.995732273553991
 """Number of extinction lengths over which contrast falls to 5 %: ln 20."""
 NEAR_M = 0.1
@@ -50,11 +51,11 @@ def is_noticeable(weather: Weather, ordinary: Weather) -> bool:
     return (
         (near < FOG_M and near <= 0.5 * far)
         or (weather.precipitation != ordinary.precipitation and much >= 0.5)
-        or (much >= 2.0 and much >= 3.0 * little)
-        or high - low >= 15.0
-        or (low < 8.0 <= high and high - low >= 8.0)
-        or abs(weather.friction - ordinary.friction) >= 0.15
-        or abs(weather.cloud_cover - ordinary.cloud_cover) >= 0.5
+        or (much >= 2.0 and much >= 3.0 * little - ROUNDING)
+        or high - low >= 15.0 - ROUNDING
+        or (low < 8.0 <= high and high - low >= 8.0 - ROUNDING)
+        or abs(weather.friction - ordinary.friction) >= 0.15 - ROUNDING
+        or abs(weather.cloud_cover - ordinary.cloud_cover) >= 0.5 - ROUNDING
     )
 
 
@@ -222,23 +223,31 @@ class Eye:
         lowest = min(self.place[2], body.z)
         if road is not None and lowest >= float(road.z.max()) - 0.5 * _CREST_M:
             road = None  # No sight line to the body runs below the highest point of the road.
+        blocked = [
+            any((entry := box.entry(ray)) is not None and entry < hit for box in obstacles)
+            or (road is not None and _is_behind_crest(self.place, ray, hit, road))
+            for ray, hit in self._sight_lines(own, shown)
+        ]
+        return sum(blocked) / len(blocked) if blocked else 1.0
+
+    def _sight_lines(
+        self, own: "_Faces", shown: Sequence[tuple[float, float]]
+    ) -> list[tuple[Point, float]]:
+        """Return rays to a body and the distances along them, from a grid fine enough to meet its silhouette."""
         left, right = min(u for u, _ in shown), max(u for u, _ in shown)
         top, bottom = min(v for _, v in shown), max(v for _, v in shown)
-        rays = hidden = 0
-        for i, j in product(range(_GRID), range(_GRID)):
-            u = left + (right - left) * (i + 0.5) / _GRID
-            v = top + (bottom - top) * (j + 0.5) / _GRID
-            ray = self._ray(u, v)
-            hit = own.entry(ray)
-            if hit is None:
-                continue
-            rays += 1
-            is_behind_box = any(
-                (entry := box.entry(ray)) is not None and entry < hit for box in obstacles
-            )
-            if is_behind_box or (road is not None and _is_behind_crest(self.place, ray, hit, road)):
-                hidden += 1
-        return hidden / rays if rays else 1.0
+        lines: list[tuple[Point, float]] = []
+        for grid in _GRIDS:
+            for i, j in product(range(grid), range(grid)):
+                u = left + (right - left) * (i + 0.5) / grid
+                v = top + (bottom - top) * (j + 0.5) / grid
+                ray = self._ray(u, v)
+                hit = own.entry(ray)
+                if hit is not None:
+                    lines.append((ray, hit))
+            if lines:
+                break
+        return lines
 
     def _ray(self, u: float, v: float) -> Point:
         """Return the direction through a pixel, with unit length along the optical axis."""

@@ -60,7 +60,9 @@ _LEAD = re.compile(
 """Matches what may lead to the name of an aspect in prose."""
 _LEADING_YES = re.compile(r"\A\W*yes[\s,.:;!\u2013\u2014-]+(?=\S)", re.IGNORECASE)
 _ASKED = rf"(?:is[ _]?)?(?:{ODD.replace(' ', '[ _-]')}|anomaly)(?:[^.?!:\n]{{0,200}}\?)?"
-_MARK = rf"\b(?:{_ASKED}|(?:(?:my|the|final) )*(?:answer|verdict) ?\??)(?: is)? ?(?:[:=]|(?<=\?))"
+_MARK = (
+    rf"\b(?:{_ASKED}|(?:(?:my|the|final) ){{0,3}}(?:answer|verdict) ?\??)(?: is)? ?(?:[:=]|(?<=\?))"
+)
 _ANSWER = re.compile(
     rf"(?:\A[\s(\u2022-]*|{_MARK} ?)(yes|no|true|false)\b(?=\s*(?:[.,;:!()\n\u2013\u2014-]|\Z))(?!,? (?:or|not)\b)",
     re.IGNORECASE,

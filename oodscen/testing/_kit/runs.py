@@ -113,18 +113,23 @@ def _weaving(step: int) -> Control:
 
 def check_refusals(probe: Probe) -> None:
     """Check that impossible scenes raise typed errors and that the next scene still runs."""
-    box = probe.still(probe.catalogue.assets[0], ahead=30.0)
-    good = probe.scene(box)
-    unknown = box.model_copy(update={"asset": "no-such-asset"})
-    double = box.model_copy(update={"id": "b"})
-    strange = box.model_copy(update={"behaviour": Behaviour(name="no-such-behaviour")})
-    for what, scene in (
-        ("an unknown asset", probe.scene(unknown)),
-        ("an unknown behaviour", probe.scene(strange)),
-        ("an unknown map", good.model_copy(update={"map": "no-such-map"})),
-        ("a lane that is not there", probe.scene(lane=6)),
-        ("two bodies in one place", probe.scene(box, double)),
-    ):
+    assets = probe.catalogue.assets
+    solid = [asset for asset in assets if not asset.is_passable()]
+    body = probe.still((solid or assets)[0], ahead=30.0)
+    good = probe.scene(body)
+    narrowest = min(probe.catalogue.maps, key=lambda road: road.lanes)
+    unknown = body.model_copy(update={"asset": "no-such-asset"})
+    strange = body.model_copy(update={"behaviour": Behaviour(name="no-such-behaviour")})
+    impossible = {
+        "an unknown asset": probe.scene(unknown),
+        "an unknown behaviour": probe.scene(strange),
+        "an unknown map": good.model_copy(update={"map": "no-such-map"}),
+        "a lane that is not there": probe.scene(road=narrowest, lane=6),
+    }
+    if solid:
+        double = body.model_copy(update={"id": "b"})
+        impossible["two bodies in one place"] = probe.scene(body, double)
+    for what, scene in impossible.items():
         try:
             probe.simulator.reset(scene, 0)
         except (SceneError, SpawnError, UnknownComponent):

@@ -8,6 +8,8 @@ from hypothesis import strategies as st
 from oodscen.driving._drivers.rule_based import RuleBasedDriver
 from oodscen.errors import UsageError
 from oodscen.protocols import Observation, State
+from oodscen.testing._flat import FlatSimulator
+from tests.driving.staging import actor, scene
 
 ALONE = Observation(0.0, 10.0, 0.0, 0.0, 0.0, 2.7, None, None, -2.0, 1.0)
 
@@ -45,6 +47,36 @@ def test_it_brakes_hard_for_what_is_close_and_what_steps_into_its_path():
     assert acceleration(walking) == -8.0
     assert acceleration(standing) == 0.0
     assert acceleration(standing, corridor_m=3.5) == -8.0
+
+
+@given(st.floats(2.2, 9.0), st.floats(1.0, 30.0), st.sampled_from([-1.0, 1.0]))
+def test_it_brakes_hard_for_what_crosses_its_path_within_a_second(aside, speed, side):
+    crossing = (15.0, side * aside, -side * math.pi / 2, speed)
+    assert acceleration(crossing) == (-8.0 if aside - speed <= 2.1 else 0.0)
+
+
+def hardest_braking(other, **place):
+    driver, least = RuleBasedDriver(), 0.0
+    with FlatSimulator() as simulator:
+        seen = simulator.reset(scene(other, **place), 0)
+        for _ in range(round(12.0 / simulator.dt)):
+            driver.look(seen)
+            control = driver.act(simulator.observe())
+            least = min(least, control.acceleration)
+            seen = simulator.step(control)
+    return -least
+
+
+def test_a_bend_turns_no_leader_and_no_oncoming_car_into_an_obstacle():
+    leader = actor("a", behaviour="follow_lane", ahead=25.0)
+    assert hardest_braking(leader, map="roundabout") < hardest_braking(leader) + 0.3
+    oncoming = actor("a", behaviour="follow_lane", ahead=20.0, lane=1, heading=180.0)
+    assert hardest_braking(oncoming, map="downhill_bend") < 1.0
+
+
+def test_what_can_be_driven_over_is_no_obstacle():
+    puddle = actor("a", "puddle", ahead=200.0)
+    assert hardest_braking(puddle, map="highway", speed=35.0) < 0.1
 
 
 def test_the_nearest_body_counts():

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from oodscen.data._scene import Weather
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._sight.visibility import (
+    LEAST_AREA_PX,
     Eye,
     UprightBox,
     area,
@@ -133,6 +134,18 @@ def test_weather_is_noticeable_where_a_person_would_say_so(fields, differs):
     assert is_noticeable(Weather(), Weather(**fields)) is differs
 
 
+@given(
+    st.sampled_from([("friction", 15), ("cloud_cover", 50)]),
+    st.integers(5, 50),
+)
+@example(("friction", 15), 80)
+@example(("cloud_cover", 50), 20)
+def test_a_difference_at_its_limit_is_noticeable(field, hundredths):
+    name, limit = field
+    less, more = (Weather(**{name: share / 100}) for share in (hundredths, hundredths + limit))
+    assert is_noticeable(less, more)
+
+
 def test_sight_lines_meet_the_picture():
     eye = Eye(CAMERA, EGO)
     across, below, depth = eye.to_camera((30.0, 2.0, 1.0))
@@ -164,3 +177,21 @@ def test_a_wall_hides_as_much_as_the_pieces_that_it_is_made_of(body, wall):
     pieces = [replace(wall, y=right + row * width, width=width) for row in range(40)]
     eye = Eye(CAMERA, EGO)
     assert eye.see(body, [wall]).hidden == pytest.approx(eye.see(body, pieces).hidden, abs=0.03)
+
+
+@given(
+    st.builds(
+        UprightBox,
+        x=st.floats(6, 40),
+        y=st.floats(-4, 4),
+        z=st.floats(0, 1),
+        yaw=st.floats(-3.2, 3.2),
+        length=st.floats(2, 14),
+        width=st.floats(0.04, 0.3),
+        height=st.floats(0.02, 0.3),
+    )
+)
+@example(UprightBox(6.05, 2.308, 0, -2.2933, 9.72, 0.205, 0.033))
+def test_nothing_hides_a_body_that_is_alone(thin):
+    sight = Eye(CAMERA, EGO).see(thin, ())
+    assert sight.hidden == 0.0 or sight.area_px < LEAST_AREA_PX

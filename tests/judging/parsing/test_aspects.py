@@ -284,6 +284,7 @@ def test_an_ordinary_scene_does_not_go_with_yes(rest: str) -> None:
         "....",
         "a, ",
         "confidence ",
+        "my " * 12,
     ],
 )
 def test_long_answers_are_read_at_once(part: str) -> None:

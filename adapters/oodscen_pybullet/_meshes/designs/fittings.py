@@ -342,7 +342,7 @@ class Legs(Fitting):
     """Radius at the top."""
     colours: tuple[Colour, Colour]
     """Colours of the legs, and of the hooves or paws."""
-    half: Length = 0.26
+    half_stride: Length = 0.26
     """Distance ahead of its joint at which a walking foot lands, as a fraction of `top`."""
 
     def fit(self, mesh: MeshBuilder, shown: Appearance) -> None:
@@ -357,7 +357,7 @@ class Legs(Fitting):
                     step = phase - (_GALLOP if runs else _WALK)[side, pair]
                     reach, lift = (1.5, 0.3) if runs else (1.0, 0.14)
                     ahead, up = stride(
-                        step, reach * self.half * top, lift * top, 0.4 if runs else 0.6
+                        step, reach * self.half_stride * top, lift * top, 0.4 if runs else 0.6
                     )
                 start = (hip, side * self.y, top - drop)
                 end = (hip + ahead, side * self.y, hoof + up)

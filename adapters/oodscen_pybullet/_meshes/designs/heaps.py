@@ -1,5 +1,7 @@
 """Draws heaps, swarms and veils."""
 
+import math
+
 import numpy as np
 
 from oodscen.data import _shapes as shapes
@@ -18,12 +20,11 @@ def _(part: shapes.Heap, mesh: MeshBuilder, shown: Appearance, place: Placing) -
     length, width, height = part.size
     heap = MeshBuilder()
     colours = shown.colour(part.colour), shown.colour(part.second_colour or part.colour)
-    mean_radius = 0.85 * np.sqrt(length * width / part.lumps)
-    for index, (size_draw, height_draw) in enumerate(
-        rng.uniform(0.0, 1.0, (part.lumps, 2)).tolist()
-    ):
-        out = float(np.sqrt((index + 0.5) / part.lumps))
-        lump = min(float(mean_radius) * (0.8 + 0.4 * size_draw), 0.45 * length, 0.45 * width)
+    mean_radius = 0.85 * math.sqrt(length * width / part.lumps)
+    draws = rng.uniform(0.0, 1.0, (part.lumps, 2)).tolist()
+    for index, (size_draw, height_draw) in enumerate(draws):
+        out = math.sqrt((index + 0.5) / part.lumps)
+        lump = min(mean_radius * (0.8 + 0.4 * size_draw), 0.45 * length, 0.45 * width)
         x = (length / 2 - lump) * out * cos(index * GOLDEN_ANGLE)
         y = (width / 2 - lump) * out * sin(index * GOLDEN_ANGLE)
         high = height * (1 - 0.6 * out**3) * (0.75 + 0.25 * height_draw)
@@ -44,15 +45,15 @@ def _(part: shapes.Heap, mesh: MeshBuilder, shown: Appearance, place: Placing) -
 @add.register
 def _(part: shapes.Swarm, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
     rng = np.random.Generator(np.random.PCG64(part.key))
-    half = [(size - part.speck) / 2 for size in part.size]
+    reaches = [max(0.0, size - part.speck) / 2 for size in part.size]
     colours = shown.colour(part.colour), shown.colour(part.second_colour or part.colour)
     ways = rng.uniform(-1.0, 1.0, (part.count, 4))
     for index, (a, b, c, share) in enumerate(ways.tolist()):
-        norm = max(0.3, float(np.sqrt(a * a + b * b + c * c)))
-        out = float(np.sqrt(abs(share))) / norm
+        norm = max(0.3, math.sqrt(a * a + b * b + c * c))
+        out = math.sqrt(abs(share)) / norm
         x, y, z = (
-            middle + max(0.0, size) * out * way
-            for middle, size, way in zip(part.swarm, half, (a, b, c), strict=True)
+            middle + reach * out * way
+            for middle, reach, way in zip(part.swarm, reaches, (a, b, c), strict=True)
         )
         radius = part.speck / 2
         mesh.ball(
@@ -75,7 +76,7 @@ def _(part: shapes.Veil, mesh: MeshBuilder, shown: Appearance, place: Placing) -
             radius = max(
                 0.15, min(0.45 * min(length, width, height) * (0.7 + 0.5 * size_draw), 1.5)
             )
-            out = float(np.sqrt(share))
+            out = math.sqrt(share)
             aside = (max(0.0, length / 2 - radius) * out, max(0.0, width / 2 - radius) * out)
             rise = radius + max(0.0, height - 2 * radius) * height_draw
         else:

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from oodscen_pybullet._lighting.lamps import camera_row, ground_light
 from oodscen_pybullet._lighting.light import Light
@@ -96,3 +96,11 @@ def test_lamps_that_light_nothing_in_front_of_the_camera_give_no_grid() -> None:
     behind = Lamp((-3.0, 0.0, 0.7), (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), 1.0)
     assert ground_light(VIEW, [behind], NIGHT) is None
     assert ground_light(VIEW, [], NIGHT) is None
+
+
+@given(st.floats(0.0, 6.0, exclude_min=True), st.floats(5.0, 40.0), st.floats(-15.0, 15.0))
+@example(1e-300, 20.3, 0.1)
+def test_the_weakest_lamp_adds_some_light_or_none(power: float, ahead: float, left: float) -> None:
+    lamp = Lamp((ahead, left, 0.7), (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), power)
+    grid = ground_light(VIEW, [lamp], NIGHT)
+    assert grid is None or (np.isfinite(grid).all() and grid.min() >= 0.0)

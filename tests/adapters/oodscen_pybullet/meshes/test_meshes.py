@@ -5,6 +5,7 @@ import pytest
 from oodscen_pybullet._catalogue import load_catalogue
 from oodscen_pybullet._meshes import GAITS, PAINTS, Mesh, asset_ids, asset_mesh
 from oodscen_pybullet._meshes.atlas import REGIONS, SIZE, SWATCH
+from oodscen_pybullet._meshes.look import AMBER
 
 from oodscen.errors import UnknownComponent
 
@@ -67,6 +68,14 @@ def test_lamps_are_on_their_asset(name: str) -> None:
             assert (np.abs(lamp.position - size * (0, 0, 0.5)) <= size / 2 + 0.1).all()
             assert sum(part**2 for part in lamp.facing) in (0.0, 1.0)
             assert lamp.power > 0.0
+
+
+@pytest.mark.parametrize("name", ["car", "van", "truck", "bus", "school_bus", "motorcycle"])
+def test_indicators_blink_on_their_side(name: str) -> None:
+    for state, sides in (("indicate_left", {1}), ("indicate_right", {-1}), ("hazard", {1, -1})):
+        lamps = asset_mesh(name, state).lamps
+        blinking = [lamp.position[1] for lamp in lamps if lamp.colour == AMBER]
+        assert {int(np.sign(y)) for y in blinking} == sides
 
 
 def test_paints_and_strides_are_of_assets() -> None:
