@@ -13,6 +13,7 @@ from pathlib import Path, PurePosixPath
 from socket import gethostname
 from tempfile import TemporaryDirectory
 
+from oodscen._standard_output import place
 from oodscen.errors import DataError, Issue, OodscenError, UsageError
 
 _KINDS = {
@@ -188,7 +189,7 @@ def write_named(out: Path, data: bytes) -> None:
         OSError: If the file cannot be written.
     """
     if is_written_through(out):
-        with out.open("wb") as stream:
+        with place(out).open("wb") as stream:
             stream.write(data)
         return
     target = Path(os.path.realpath(out))

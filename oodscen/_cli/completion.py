@@ -3,6 +3,7 @@
 import click
 from click.shell_completion import CompletionItem, get_completion_class
 
+from oodscen._standard_output import results
 from oodscen.errors import UsageError
 
 SHELLS = ("bash", "zsh", "fish")
@@ -22,7 +23,7 @@ def completion(shell: str) -> None:
     if kind is None:
         raise UsageError(f"there is no completion for {shell}")
     script = kind(main, {}, "oodscen", "_OODSCEN_COMPLETE")
-    click.echo(click.style(script.source(), reset=False), nl=False)
+    click.echo(click.style(script.source(), reset=False), file=results(), nl=False)
 
 
 class ComponentName(click.types.StringParamType):

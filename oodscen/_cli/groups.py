@@ -1,4 +1,4 @@
-"""A group of commands that refuse a second value for an option that takes one."""
+"""A group of commands with what all of them have in common."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -6,14 +6,21 @@ from contextlib import suppress
 
 import click
 
+from oodscen._standard_output import for_results
 from oodscen.errors import UsageError
 
 
 class CommandGroup(click.Group):
-    """A group whose commands refuse an option of one value that is given more than once.
+    """A group whose commands keep standard output for results, and refuse a second value for an option of one.
 
     click takes the last value and drops the others without a word. Switches may be repeated.
     """
+
+    def add_command(self, cmd: click.Command, name: str | None = None) -> None:
+        """Add a command, which then keeps standard output for its results."""
+        if cmd.callback is not None and not isinstance(cmd, click.Group):
+            cmd.callback = for_results()(cmd.callback)
+        super().add_command(cmd, name)
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]

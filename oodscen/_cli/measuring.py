@@ -10,7 +10,6 @@ from oodscen._cli.numbers import FINITE
 from oodscen._cli.options import json_option, refuse_idle, refuse_idle_server, seed_option
 from oodscen._cli.output import say
 from oodscen._cli.paths import READABLE
-from oodscen._cli.progress import apart
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.errors import UsageError
 
@@ -77,13 +76,12 @@ def score(
         refuse_idle("without --llm", "api_base")
     else:
         refuse_idle_server(llm)
-    with apart():
-        metrics = Metrics(make_encoder(encoder), baseline, seed=seed)
-        if table:
-            report = metrics.paper_table([record.text for record in read_records(texts)])
-        else:
-            model = make_llm(llm, seed=seed, api_base=api_base, log=calls.append) if llm else None
-            report = metrics.score_file(texts, band=band, llm=model, anchors=anchors)
+    metrics = Metrics(make_encoder(encoder), baseline, seed=seed)
+    if table:
+        report = metrics.paper_table([record.text for record in read_records(texts)])
+    else:
+        model = make_llm(llm, seed=seed, api_base=api_base, log=calls.append) if llm else None
+        report = metrics.score_file(texts, band=band, llm=model, anchors=anchors)
     say(report.model_dump_json(indent=2) if as_json else str(report))
     if calls and not as_json:
         say(f"calls                  {len(calls)} of {report.rarity.by}")

@@ -11,6 +11,7 @@ from typing import TypeVar
 import click
 
 from oodscen._files import is_written_through, read_utf8, write_named, writing
+from oodscen._standard_output import results
 from oodscen._study_files import refuse_own
 from oodscen._text import printable
 from oodscen.data._base import Data
@@ -24,7 +25,7 @@ _LONGEST = 1_000
 
 def say(text: str, *, err: bool = False) -> None:
     """Print text that a model may have written, without any control characters that steer a terminal."""
-    click.echo(printable(text), err=err)
+    click.echo(printable(text), file=None if err else results(), err=err)
 
 
 def shortened(text: str) -> str:
@@ -59,7 +60,8 @@ def write(out: Path | None, text: str) -> None:
     """
     if out is None:
         # A terminal obeys what it is sent; a file or another program gets the document as it is.
-        click.echo(printable(text) if sys.stdout.isatty() else text)
+        stream = results()
+        click.echo(printable(text) if stream.isatty() else text, file=stream)
         return
     write_bytes(out, f"{text}\n".encode())
 

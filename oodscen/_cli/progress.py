@@ -3,8 +3,8 @@
 import sys
 import time
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, redirect_stdout
-from typing import TextIO, TypeVar
+from contextlib import contextmanager
+from typing import TypeVar
 
 from oodscen._cli.output import say
 from oodscen._progress import Progress, counted, reporting
@@ -19,22 +19,9 @@ _INTERVAL_S = 30.0
 def bars(note: object = "") -> Iterator[Progress]:
     """Show progress on standard error: a bar per stage in a terminal, elsewhere a line at its end and every half minute.
 
-    What models, encoders and adapters print meanwhile goes there, too: it is no part of the result.
-
     Args:
         note: Shown after a bar as text.
     """
-    with apart(), _reporter(note) as progress:
-        yield progress
-
-
-def apart() -> redirect_stdout[TextIO]:
-    """Send what components print to standard error."""
-    return redirect_stdout(sys.stderr)
-
-
-@contextmanager
-def _reporter(note: object) -> Iterator[Progress]:
     if sys.stderr is not None and sys.stderr.isatty():
         with reporting(True, note) as progress:
             yield progress
@@ -85,5 +72,5 @@ class _StageLines:
 
 def tracked(items: Iterable[Item], stage: str, total: int, note: object = "") -> Iterator[Item]:
     """Yield items, counted by `bars`; the stage stands before the bar, the note after it."""
-    with _reporter(note) as progress:
+    with bars(note) as progress:
         yield from counted(items, stage, total, progress)

@@ -3,7 +3,6 @@
 import json
 import os
 import shutil
-import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -14,6 +13,7 @@ from oodscen._cli.options import json_option, refuse_idle
 from oodscen._cli.output import say
 from oodscen._cli.paths import PathName
 from oodscen._cli.pictures import GRAPHICS, blocks, graphics_of, iterm, kitty, sixel
+from oodscen._standard_output import results
 from oodscen._text import one_line
 from oodscen.data._episode import ACTIONS, in_order
 from oodscen.data._pairing import is_ordinary, kind_of, scene_of
@@ -181,13 +181,13 @@ def _frame(study: "Study", drive: _Drive, moment: str | None) -> Path | None:
 def _show_picture(file: Path, graphics: str) -> None:
     """Show a picture, if the terminal can and OpenCV is installed."""
     if graphics == "auto":
-        graphics = graphics_of(os.environ) if sys.stdout.isatty() else "none"
+        graphics = graphics_of(os.environ) if results().isatty() else "none"
     if graphics == "none":
         return
     columns = min(shutil.get_terminal_size().columns, _WIDEST)
     data = file.read_bytes()
     if graphics == "iterm":
-        click.echo(iterm(data, columns), color=True)
+        click.echo(iterm(data, columns), file=results(), color=True)
         return
     try:
         import cv2
@@ -200,11 +200,13 @@ def _show_picture(file: Path, graphics: str) -> None:
     if image is None:
         say(f"no picture: {file} cannot be read", err=True)
     elif graphics == "kitty":
-        click.echo(kitty(cv2.imencode(".png", image)[1].tobytes(), columns), color=True)
+        click.echo(
+            kitty(cv2.imencode(".png", image)[1].tobytes(), columns), file=results(), color=True
+        )
     else:
         pixels = np.ascontiguousarray(image[..., ::-1])
         shown = sixel(pixels) if graphics == "sixel" else blocks(pixels, columns)
-        click.echo(shown, color=True)
+        click.echo(shown, file=results(), color=True)
 
 
 def _lines(drive: _Drive, frame: Path | None) -> Iterator[str]:

@@ -50,10 +50,3 @@ def test_a_long_stage_has_a_line_every_half_minute():
 def test_a_closed_standard_error_costs_the_progress_only(monkeypatch):
     monkeypatch.setattr("sys.stderr", None)
     assert [*tracked(range(3), "redteam", 3)] == [0, 1, 2]
-
-
-def test_what_components_print_meanwhile_is_no_result(capsys):
-    with bars():
-        print("from a model")
-    print("the result")
-    assert capsys.readouterr() == ("the result\n", "from a model\n")
