@@ -181,10 +181,10 @@ def appearance_fault(text: str) -> str:
 
 _MARK = re.compile(r"[*_`#\[\]{}<>|\\=$@^]|~~")
 _ADDRESS = re.compile(
-    r"://|\bwww\.|\b[a-z]{2,}:[^\W\d]|[a-z0-9-]+\.[a-z]{2,}\b",
+    r"://|\bwww\.|\b[a-z]{2,}:\w|[a-z0-9-]+\.[a-z]{2,}\b|\d(?:\.\d+){2}",
     re.IGNORECASE,
 )
-"""Schemes and names of hosts; a full stop is followed by a space, and `1.5 m` has digits."""
+"""Schemes, names and numbers of hosts; a full stop is followed by a space, and `1.5 m` is one number."""
 _OPTION = re.compile(r"(?<!\w)[A-Za-z]\)")
 
 

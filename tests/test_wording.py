@@ -45,12 +45,22 @@ def test_braces_are_no_plain_words(text):
 
 
 @pytest.mark.parametrize(
-    "text", ["x.com crate", "a crate (A)", "a crate, B) a dog", "none of these"]
+    "text",
+    [
+        "x.com crate",
+        "10.0.0.1",
+        "a net at localhost:8000",
+        "a crate (A)",
+        "a crate, B) a dog",
+        "none of these",
+    ],
 )
 def test_a_made_thing_reads_like_no_option_and_no_address(text):
     assert appearance_fault(text)
 
 
-@pytest.mark.parametrize("text", ["a crate (red)", "a crate of 1.5 m", "a St. Bernard dog"])
+@pytest.mark.parametrize(
+    "text", ["a crate (red)", "a crate of 1.5 m", "a St. Bernard dog", "a sign that reads: 50"]
+)
 def test_a_made_thing_may_have_brackets_and_stops(text):
     assert not appearance_fault(text)

@@ -1,4 +1,4 @@
-"""Episodes that no longer belong to their scenes, since a scene or a text was changed and not run again."""
+"""Scenes that no longer belong to their episodes: one of them, or a text, was changed or removed and not run again."""
 
 from collections.abc import Container, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
@@ -25,7 +25,7 @@ def stale_scenes(
     staged: Iterable[Mapping[str, Any]],
     changed: Container[str] = (),
 ) -> list[str]:
-    """Return the ids of the scenes that are not those of their episodes, in the order of the episodes.
+    """Return the ids of the scenes that are not those of their episodes, in their order, and of those without theirs.
 
     The episodes of a scene and of its ordinary drives were made from the scene, and that of a demand from the demand
     as well. Episodes that do not say what they were made from are taken as they are.
@@ -37,6 +37,7 @@ def stale_scenes(
         changed: The ids of scenes whose texts have changed.
     """
     now = {scene.id: scene.digest() for scene in scenes}
+    staged = list(staged)
     demands = [line["demand"] for line in staged if isinstance(line.get("demand"), Mapping)]
     run_demands = {demand.get("id"): digest(demand) for demand in demands}
 
@@ -50,8 +51,11 @@ def stale_scenes(
         is_same_demand = demand is None or now.get(episode.scene_id) == demand
         return now.get(name) != episode.made_from or not is_same_demand
 
-    stale = (scene_of(episode.scene_id) for episode in episodes if is_stale(episode))
-    return list(dict.fromkeys(stale))
+    episodes = list(episodes)
+    ran = {episode.scene_id for episode in episodes}
+    stale = [scene_of(episode.scene_id) for episode in episodes if is_stale(episode)]
+    lost = (str(line["id"]) for line in staged if line.get("how") is not None)
+    return list(dict.fromkeys([*stale, *(name for name in lost if name not in ran)]))
 
 
 def changed_texts(study: "Study") -> set[str]:
@@ -87,13 +91,13 @@ def changed_texts(study: "Study") -> set[str]:
 
 
 def in_words(stale: list[str]) -> str:
-    """Return the sentence about scenes that have changed, themselves or their texts."""
+    """Return the sentence about scenes that have changed or are gone, themselves, their texts or their episodes."""
     subject, pronoun = "1 scene, or its text, has", "it was"
     if len(stale) > 1:
         subject, pronoun = f"{len(stale)} scenes, or their texts, have", "they were"
     more = ", ..." if len(stale) > _SHOWN else ""
     return (
-        f"{subject} changed since {pronoun} run: {', '.join(stale[:_SHOWN])}{more}; the same `oodscen run OUT` makes "
+        f"{subject} changed or been removed since {pronoun} run: {', '.join(stale[:_SHOWN])}{more}; the same `oodscen run OUT` makes "
         "their episodes again"
     )
 
@@ -102,7 +106,7 @@ def refuse_stale(study: "Study", episodes: Iterable[Episode], scenes: Iterable[S
     """Refuse a study whose episodes are not those of its scenes and texts; the scenes come without the demands.
 
     Raises:
-        UsageError: If a scene or its text has changed since it was run.
+        UsageError: If a scene or its text has changed, or it or its episode was removed, since it was run.
         DataError: If a table is malformed.
     """
     lines = study.store.lines("staged.jsonl")

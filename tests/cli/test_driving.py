@@ -62,13 +62,13 @@ def test_a_stack_in_the_current_folder_drives(with_stack, tmp_path, capfd) -> No
     scenes = tmp_path / "out" / "scenes.jsonl"
     scenes.write_text(scenes.read_text().replace('"horizon_s":', '"horizon_s":1'))
     told = run(main, ["report", "out"])
-    assert "1 scene, or its text, has changed since it was run: " in told.stderr
+    assert "1 scene, or its text, has changed or been removed since it was run: " in told.stderr
     page = (tmp_path / "out" / "report.html").read_text()
-    assert "1 scene, or its text, has changed since it was run: " in page
+    assert "1 scene, or its text, has changed or been removed since it was run: " in page
     assert "Driving stacks" not in page
     refused = run(main, ["drive", "out"])
     assert (refused.exit_code, refused.output.count("\n")) == (2, 1)
-    assert "changed since it was run" in refused.output
+    assert "removed since it was run" in refused.output
     study = Study(tmp_path / "out")
     made_from = {"made_from": study.scenes[0].digest()}
     study.store.write_lines(

@@ -296,7 +296,7 @@ def test_no_run_enters_the_table_for_a_scene_that_has_changed(study, tmp_path):
     (study / "scenes.jsonl").write_text("\n".join([json.dumps(edited), *others, ""]))
     found = run("verdict", study, path, "--driver", "stack")
     assert found.exit_code == 2
-    assert "has changed since it was run" in found.output
+    assert "has changed or been removed since it was run" in found.output
     assert not (study / "drives.jsonl").exists()
 
 

@@ -72,7 +72,7 @@ def test_an_edited_study_is_refused_in_the_words_of_drive(session, quick, pytest
     lines = "\n".join([json.dumps(slow), *others, ""])
     (edited / "scenes.jsonl").write_text(lines, encoding="utf-8")
     study = Study.open(edited)
-    with pytest.raises(UsageError, match="has changed since it was run") as said:
+    with pytest.raises(UsageError, match="has changed or been removed since it was run") as said:
         refuse_stale(study, study.episodes, study.scenes)
     words = (f"--oodscen={edited}", "--oodscen-require=safe>=0", "-k", "test_safe")
     refused = session("'rule-based'", *words, named=False)

@@ -74,7 +74,7 @@ def test_a_study_of_other_scenes_is_refused_in_one_line(stale, tmp_path):
     ):
         found = CliRunner().invoke(main, [str(word) for word in words])
         assert (found.exit_code, found.output.count("\n")) == (2, 1), words
-        assert f"changed since it was run: {name}; the same `oodscen run OUT`" in found.output
+        assert f"removed since it was run: {name}; the same `oodscen run OUT`" in found.output
     assert {path: path.read_bytes() for path in stale.rglob("*") if path.is_file()} == before
     assert not (tmp_path / "data").exists()
 
@@ -105,10 +105,22 @@ def swap(lines: list[dict[str, Any]]) -> None:
         ("scenarios.jsonl", swap),
         ("scenarios.jsonl", lambda lines: lines.pop(0)),
         ("scenarios.jsonl", lambda lines: lines.clear()),
+        ("episodes.jsonl", lambda lines: lines.pop(0)),
         ("claims.jsonl", lambda lines: lines[0]["claims"].pop()),
         ("claims.jsonl", lambda lines: lines[0].update(status="failed", error="no answer")),
     ],
-    ids=("text", "path", "leaf", "kind", "swapped", "one gone", "gone", "claims", "unread"),
+    ids=(
+        "text",
+        "path",
+        "leaf",
+        "kind",
+        "swapped",
+        "one gone",
+        "gone",
+        "episode",
+        "claims",
+        "unread",
+    ),
 )
 def test_a_changed_text_is_noticed_as_a_changed_scene_is(quick, tmp_path, table, change):
     folder = shutil.copytree(quick, tmp_path / "out")
@@ -116,7 +128,9 @@ def test_a_changed_text_is_noticed_as_a_changed_scene_is(quick, tmp_path, table,
     refuse_stale(study, study.episodes, study.scenes)
     name = study.scenes[0].id
     edit(folder, table, change)
-    with pytest.raises(UsageError, match=r"or [a-z]+ texts?, ha[sv]e? changed since") as refused:
+    with pytest.raises(
+        UsageError, match=r"or [a-z]+ texts?, ha[sv]e? changed or been removed since"
+    ) as refused:
         refuse_stale(study, study.episodes, study.scenes)
     assert name in str(refused.value)
     assert name in read(study).gaps["episodes.jsonl"]
@@ -135,9 +149,12 @@ def test_a_study_of_another_text_is_refused(quick, tmp_path):
     for words in commands:
         found = CliRunner().invoke(main, [str(word) for word in words])
         assert (found.exit_code, found.output.count("\n")) == (2, 1), words
-        assert "2 scenes, or their texts, have changed since they were run: " in found.output
+        assert (
+            "2 scenes, or their texts, have changed or been removed since they were run: "
+            in found.output
+        )
     told = CliRunner().invoke(main, ["report", str(folder)])
-    assert "or their texts, have changed since they were run: " in told.stderr
+    assert "or their texts, have changed or been removed since they were run: " in told.stderr
 
 
 def test_a_study_of_another_text_is_taken_once_it_is_run_again(small, tmp_path):
@@ -148,13 +165,15 @@ def test_a_study_of_another_text_is_taken_once_it_is_run_again(small, tmp_path):
         lambda lines: lines[0].update(text=lines[0]["text"] + " It is night."),
     )
     study = Study.open(folder)
-    with pytest.raises(UsageError, match="or its text, has changed since it was run"):
+    with pytest.raises(
+        UsageError, match="or its text, has changed or been removed since it was run"
+    ):
         refuse_stale(study, study.episodes, study.scenes)
     run_study(folder, SMALL)
     study = Study.open(folder)
     refuse_stale(study, study.episodes, study.scenes)
     told = CliRunner().invoke(main, ["report", str(folder)])
-    assert "changed since" not in told.stderr
+    assert "removed since" not in told.stderr
 
 
 @pytest.mark.parametrize("table", ["claims.jsonl", "staged.jsonl", "tree.simulatable.json"])
