@@ -7,6 +7,7 @@ standard error. An interruption is therefore raised again as long as nothing han
 import os
 import signal
 import sys
+import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from types import FrameType
@@ -66,5 +67,9 @@ def unreported(kind: type[KeyboardInterrupt]) -> Iterator[None]:
     report_others, sys.unraisablehook = sys.unraisablehook, report
     try:
         yield
+    except kind as interruption:
+        # What is half made goes now, not after the report is back.
+        traceback.clear_frames(interruption.__traceback__)
+        raise
     finally:
         sys.unraisablehook = report_others
