@@ -95,9 +95,8 @@ def pose_first(w: Situation, i: int) -> bool:
     state[i, COURSE] = state[i, col.YAW]
     first = w.codes[i, col.KEY]
     values = [w.traits[first, col.POSE + axis] for axis in range(6)]
-    if frame != OTHER:
-        state[i, col.YAW] = quantised(wrapped(state[i, col.YAW] + values[YAW]))
-        state[i, col.HEADING] = quantised(wrapped(state[i, col.HEADING] + values[YAW]))
+    state[i, col.YAW] = quantised(wrapped(state[i, col.YAW] + values[YAW]))
+    state[i, col.HEADING] = quantised(wrapped(state[i, col.HEADING] + values[YAW]))
     if frame in (START, LANE) and w.codes[i, col.THEN] != REPEAT:
         # The keys lie along the frame, which an actor on the road need not face.
         askew = traits[i, col.APART_YAW] if frame == LANE else 0.0

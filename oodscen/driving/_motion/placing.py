@@ -171,10 +171,11 @@ class PlacedBodies:
     def _attach(self, row: int) -> None:
         """Store the pose of an actor relative to the body that holds it, if one does, and give it that one's speed."""
         code, other = self.codes[row, col.BEHAVIOUR], int(self.codes[row, col.OTHER])
+        mine = self.state[row].tolist()
         is_held = pose_first(self.situation, row) if code == Code.KEYED else code in ATTACHED
         if not is_held:
             return
-        mine, its = self.state[row].tolist(), self.state[other].tolist()
+        its = self.state[other].tolist()
         sine, cosine = sincos(its[col.YAW])
         dx, dy = mine[col.X] - its[col.X], mine[col.Y] - its[col.Y]
         tail = 0.5 * self.sizes[other][0]
@@ -193,4 +194,4 @@ class PlacedBodies:
         if code == Code.KEYED and state[ABOARD] == 0.0:
             speed = min(speed, float(traits[col.FASTEST]))
         if code != Code.OPEN_DOOR:
-            state[col.SPEED] = quantised(speed * cos(askew))
+            state[col.SPEED] = quantised(speed * cos(wrapped(state[col.YAW] - its[col.YAW])))

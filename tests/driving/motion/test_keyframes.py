@@ -242,6 +242,18 @@ def test_nothing_moves_before_its_trigger() -> None:
     assert seen[-1, 2] == 0.0
 
 
+@pytest.mark.parametrize("frame", ["start", "lane", "other", "ego"])
+def test_the_pose_of_the_first_key_is_there_from_the_start(frame: str) -> None:
+    first = {"at": 0, "up": 0.5, "yaw": 150, "pitch": 20}
+    motion = made(body="loose", frame=frame, keys=[first, {**first, "at": 1, "yaw": 120}])
+    world = world_of(scene_of(motion, trigger={"kind": "time", "value": 1.0}))
+    begun, speed = world.poses()[2], world.motion("thing").speed
+    world.step(Control())
+    assert begun[3] == pytest.approx(math.radians(150))
+    assert world.poses()[2][2:] == pytest.approx(begun[2:])
+    assert world.motion("thing").speed == pytest.approx(speed, abs=0.02)
+
+
 def test_what_has_sunk_blocks_nobody_until_it_rises() -> None:
     motion = made(body="loose", keys=[{"up": -0.9}, {"at": 1}])
     place = {"ahead_m": 6.0}
