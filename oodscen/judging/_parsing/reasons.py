@@ -75,10 +75,12 @@ _WORD = re.compile(
 )
 _GAP = "(?:[knu]|r[OPx])*"
 _CLAUSE = re.compile(
-    "(?:^|(?<=([ecah])))(?=([iu])?)((?:[kgbnmiu]|[OP]r|nc[kx]{1,6}c)*)O(?(2)c?)"
+    "(?:^|(?<=([ecah])))(?=([iu])?)((?:[kgbnmiu]|[OP]r|nc[kx]{1,6}c){0,99})O(?(2)c?)"
     f"(c{_GAP}(?=e|$)|(?:{_GAP}[bg])*(?:{_GAP}(?=[ecah]|$))?)"
 )
-"""Matches an option and the known words before and after it; the comma of "if we stop, we crash" ends no clause."""
+"""Matches an option and the known words before and after it; the comma of "if we stop, we crash" ends no clause.
+
+The limit on the words before it keeps the time linear in those of an answer."""
 _CONDEMNED = re.compile(
     r"\W*(?:(?:(?:this|that|it) is )?(?:wrong|incorrect|false|a mistake|not (?:recommended|advisable|right|correct|true))|the opposite)\W*"
 )

@@ -4,6 +4,7 @@
 """
 
 import json
+import time
 
 import pytest
 from hypothesis import given
@@ -188,3 +189,10 @@ def test_what_else_is_for_or_against_it(reason, value):
 def test_danger_condemns_no_thing_of_the_closed_question(reason, value):
     labels = {"deer": "Deer on the road", "box": "Box on the road"}
     assert read_choice(json.dumps({"reasoning": reason, "choice": 1}), labels).value == value
+
+
+def test_endless_clauses_without_an_option_do_not_take_long():
+    answer = json.dumps({"reasoning": "not, it, " * 9_000, "action": "stop"})
+    begun = time.process_time()
+    assert read_action(answer).value == "stop"
+    assert time.process_time() - begun < 4.0
