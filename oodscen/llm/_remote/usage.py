@@ -22,9 +22,9 @@ MOST_USD = 500.0
 
 
 def estimate_tokens(request: Request) -> int:
-    """Estimate the input tokens of a request from its characters, erring on the high side."""
-    texts = sum(len(message.text) for message in request.messages)
-    return (texts + len(json.dumps(request.schema))) // 3 + IMAGE_TOKENS * _images(request)
+    """Estimate the input tokens of a request from its bytes, erring on the high side in any script."""
+    sent = _text_bytes(request) + _schema_bytes(request)
+    return sent // 3 + IMAGE_TOKENS * _images(request)
 
 
 def count(value: Any) -> int:
@@ -42,9 +42,8 @@ def plausible_usage(usage: Usage, request: Request) -> Usage:
     providers also put it into words; `MOST_ADDED`, `MOST_PER_IMAGE`, `MOST_ANSWERED` and `MOST_USD` bound the
     rest.
     """
-    texts = sum(len(message.text.encode("utf-8", "replace")) for message in request.messages)
-    schema = 2 * len(json.dumps(request.schema).encode())
-    most = texts + schema + MOST_ADDED + MOST_PER_IMAGE * _images(request)
+    sent = _text_bytes(request) + 2 * _schema_bytes(request)
+    most = sent + MOST_ADDED + MOST_PER_IMAGE * _images(request)
     if not (0 <= usage.input_tokens <= most and 0 <= usage.output_tokens <= MOST_ANSWERED):
         return Usage()
     cost_usd = usage.cost_usd
@@ -56,6 +55,14 @@ def plausible_usage(usage: Usage, request: Request) -> Usage:
         cached_tokens=min(max(0, usage.cached_tokens), usage.input_tokens),
         cost_usd=cost_usd,
     )
+
+
+def _text_bytes(request: Request) -> int:
+    return sum(len(message.text.encode("utf-8", "replace")) for message in request.messages)
+
+
+def _schema_bytes(request: Request) -> int:
+    return len(json.dumps(request.schema))
 
 
 def _images(request: Request) -> int:

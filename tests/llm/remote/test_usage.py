@@ -132,6 +132,13 @@ def test_what_is_believed_can_be(asked, answered, cached, cost):
         assert found == usage
 
 
+@pytest.mark.parametrize("character", "\u9e7f\u306e\ub3c4\u0e01")
+def test_a_character_of_a_script_without_spaces_counts_as_a_token(character):
+    prompt = ImagineScenario(shown=(1_000 * character,))
+    more = Request(prompt, prompt.messages(), prompt.answer_schema())
+    assert estimate_tokens(more) - estimate_tokens(REQUEST) >= 990
+
+
 def test_numbers_of_tokens_are_told_from_other_things():
     assert [count(value) for value in (None, 0, 7, 7.0)] == [0, 0, 7, 7]
     for value in (True, 7.5, math.nan, math.inf, -math.inf, "7", [7], -7):
