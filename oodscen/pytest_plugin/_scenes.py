@@ -83,14 +83,16 @@ class Scenes:
         return self._plans[key]
 
     def text(self, scene: Scene) -> str:
-        """Return the text of a scene or twin on one line, empty if the study has none."""
+        """Return the text of a scene, twin or demand on one line, empty if the study has none."""
+        if scene.demand is not None:
+            return one_line(scene.demand.text)
         scenario = self._text_of(scene)
         if scenario is None:
             return ""
         return one_line((scenario.ordinary if scene.is_twin else scenario.text) or "")
 
     def path(self, scene: Scene) -> tuple[str, ...]:
-        """Return the path of the scenario tree that a scene or twin realises, empty if the study has no text of it."""
+        """Return the path of the scenario tree to which a scene, twin or demand belongs, empty if the study has no text."""
         scenario = self._text_of(scene)
         return scenario.path if scenario else ()
 
