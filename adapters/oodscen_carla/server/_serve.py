@@ -59,6 +59,8 @@ def serve(
         SceneError: If the first scene cannot be staged.
     """
     seed, port = seed_number(seed), whole_number("port", port, 0, _LAST_PORT)
+    if not host:  # Sockets would take it for every address.
+        raise UsageError("host is empty; give 0.0.0.0 to listen on every address")
     try:
         from oodscen_carla.server._listener import Listener
     except ModuleNotFoundError as error:

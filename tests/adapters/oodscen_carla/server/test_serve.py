@@ -94,6 +94,7 @@ def test_a_host_that_cannot_be_a_name_is_told_and_no_socket_stays_open(host, mon
         ({"scenes": example_scene()}, "scenes must be"),
         ({"scenes": ["a"]}, "scenes"),
         ({"host": None}, "host must be"),
+        ({"host": ""}, "host is empty"),
     ],
 )
 def test_an_argument_that_does_not_fit_is_told_at_once(arguments, message):
