@@ -133,7 +133,7 @@ def _largest(errors: NDArray[np.float64]) -> tuple[int, ...]:
 def _place_fault(staged: StagedScene, states: Sequence[State]) -> str:
     for state in states:
         if state.places is None:
-            return ""
+            continue
         expected = staged.places(state.poses)
         errors = np.abs(expected - state.places)
         row, column = _largest(errors)
@@ -148,7 +148,7 @@ def _place_fault(staged: StagedScene, states: Sequence[State]) -> str:
 def _acceleration_fault(states: Sequence[State], dt: float) -> str:
     for before, state in pairwise(states[1:]):
         if state.accelerations is None:
-            return ""
+            continue
         expected = (state.speeds - before.speeds) / dt
         errors = np.abs(state.accelerations - expected)
         (row,) = _largest(errors)

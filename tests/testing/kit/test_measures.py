@@ -131,6 +131,16 @@ def test_members_may_be_unknown() -> None:
     assert lines(publishing(lambda state: {"places": None, "accelerations": None})) == []
 
 
+def test_members_that_are_unknown_at_first_are_checked_later() -> None:
+    def alter(state):
+        fields = ("places", "accelerations")
+        return {name: getattr(state, name) + 9.0 if state.step > 2 else None for name in fields}
+
+    found = lines(publishing(alter))
+    assert any("places: " in line for line in found)
+    assert any("accelerations: " in line for line in found)
+
+
 def test_an_ego_that_does_not_turn_is_found() -> None:
     class Straight(Few):
         def step(self, control):
