@@ -14,7 +14,7 @@ from oodscen.prompts._tree.give_examples import GiveExamples
 from oodscen.prompts._tree.propose_tree import ProposedTree, ProposeTree
 from oodscen.protocols import LLM
 from oodscen.tree._labels import CLASSES, same_words
-from oodscen.tree._scenario_tree import ROOT, ScenarioTree, TreeEdit, slug
+from oodscen.tree._scenario_tree import ROOT, ScenarioTree, TreeEdit
 
 
 class TreeGrower(Brief):
@@ -83,13 +83,9 @@ def _initial_tree(
     for node in proposed.nodes:
         label = one_line(node.label)
         parent = ids.get(node.parent)
-        if parent is None:
-            node_id = ROOT
-        elif parent == ROOT:
+        if parent == ROOT:
             label = next(name for name in CLASSES if same_words(name) == same_words(label))
-            node_id = slug(label)
-        else:
-            node_id = tree.new_id(label)
+        node_id = ROOT if parent is None else tree.new_id(label)
         ids[node.number] = node_id
         edit = TreeEdit(
             op="add",

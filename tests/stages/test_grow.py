@@ -76,6 +76,17 @@ def test_the_classes_are_known_whatever_their_case_width_and_spaces():
     assert grown([answer])[0] == grown([tree_answer()])[0]
 
 
+def test_a_label_listed_before_a_class_may_be_nearly_its_name():
+    answer = tree_answer()
+    answer["nodes"][3]["label"] = "(Interactional)"
+    answer["nodes"].insert(2, answer["nodes"].pop(3))
+    tree, _ = grown([answer])
+    assert [node.label for node in tree.nodes if node.parent == ROOT] == [
+        "Environmental",
+        "Interactional",
+    ]
+
+
 def test_nodes_may_be_counted_from_0():
     answer = tree_answer()
     for node in answer["nodes"]:
