@@ -9,8 +9,9 @@ import json
 import os
 import threading
 import weakref
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from io import FileIO
 from pathlib import Path
 from typing import BinaryIO, ClassVar, NamedTuple
@@ -158,9 +159,7 @@ class Recording(Brief):
             UsageError: When several models answered and none is chosen.
         """
         with self._lock:
-            spans = [
-                span for span in self._spans.get(_key(request), ()) if model in (None, span.model)
-            ]
+            spans = [span for span in self._answers(request) if model in (None, span.model)]
         if not spans:
             return None
         self._refuse_several(spans)
@@ -170,7 +169,12 @@ class Recording(Brief):
     def count(self, request: Request, model: str) -> int:
         """Return how many answers of a model to a request there are."""
         with self._lock:
-            return sum(span.model == model for span in self._spans.get(_key(request), ()))
+            return sum(span.model == model for span in self._answers(request))
+
+    def _answers(self, request: Request) -> Sequence[_LineSpan]:
+        """Return the lines that answer a request, whose credentials a recorder replaces; the lock must be held."""
+        spans = self._spans.get(_key(request))
+        return self._spans.get(_key(_without_keys(request)), ()) if spans is None else spans
 
     def refuse_several(self) -> None:
         """Refuse a recording in which several models answered one question.
@@ -199,6 +203,7 @@ class Recording(Brief):
 
     def differences(self, request: Request, model: str | None = None) -> list[Issue]:
         """Return the differences between a request and the most similar recorded question."""
+        request = _without_keys(request)
         purpose = request.prompt.purpose
         nearest: tuple[tuple[int, int], list[Issue]] | None = None
         other_purposes: set[str] = set()
@@ -352,12 +357,11 @@ class Recorder(Recording):
             StudyError: When the file cannot be written; its content stays.
         """
         self.open()
-        messages = tuple(
-            message.model_copy(update={"text": redact_keys(message.text)})
-            for message in exchange.messages
-        )
-        answer = redact_keys(exchange.answer)
-        exchange = exchange.model_copy(update={"messages": messages, "answer": answer})
+        update = {
+            "messages": _redacted(exchange.messages),
+            "answer": redact_keys(exchange.answer),
+        }
+        exchange = exchange.model_copy(update=update)
         line = exchange.to_json().encode() + b"\n"
         with self._lock:
             try:
@@ -403,6 +407,17 @@ _recorders_lock = threading.Lock()
 def _key(request: Request) -> str:
     """Return the key of the exchanges that answer a request."""
     return _digest(request.prompt.purpose, request.sample, request.attempt, request.messages)
+
+
+def _without_keys(request: Request) -> Request:
+    """Return a request with its credentials replaced."""
+    return replace(request, messages=_redacted(request.messages))
+
+
+def _redacted(messages: tuple[Message, ...]) -> tuple[Message, ...]:
+    return tuple(
+        message.model_copy(update={"text": redact_keys(message.text)}) for message in messages
+    )
 
 
 def _digest(purpose: str, sample: int, attempt: int, messages: tuple[Message, ...]) -> str:

@@ -342,6 +342,19 @@ def test_no_key_is_recorded(file, monkeypatch):
     assert Exchange.parse(file.read_text()).answer == "your key is [redacted]"
 
 
+def test_a_question_with_a_key_is_answered_from_the_recording_and_a_miss_does_not_show_it(
+    file, monkeypatch
+):
+    monkeypatch.setenv("OPENAI_API_KEY", KEY)
+    asked = request(ImagineScenario(shown=(f"{KEY} lies on the road.",)))
+    llm = RecordingLLM(ScriptedLLM(["once"]), file)
+    assert [llm.complete(asked).text for _ in range(2)] == ["once"] * 2
+    assert ReplayLLM(file).complete(asked).text == "once"
+    words = missed(file, request(ImagineScenario(shown=(f"Is it {KEY}?",))))["messages[0].text"]
+    assert "[redacted]" in words
+    assert KEY not in words
+
+
 def test_a_question_that_is_asked_again_says_how_often_it_was_answered(file):
     asked = []
 
