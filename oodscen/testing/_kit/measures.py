@@ -249,8 +249,12 @@ def _is_at_edge(staged: StagedScene, state: State) -> bool:
 def _check_wheelbase(probe: Probe) -> None:
     """Compare the observed wheelbase with the one that the ego's turning at low speed implies."""
     steering = 0.15
-    steps = round(1.5 / probe.simulator.dt)
-    states = probe.run(probe.scene(speed=4.0), constantly(Control(0.0, steering)), steps=steps)
+    scene, dt = probe.scene(speed=4.0), probe.simulator.dt
+    states = probe.run(scene, constantly(Control(0.0, steering)), steps=round(1.5 / dt))
+    for step, state in enumerate(states):
+        for fault in state_faults(scene, state, step, dt):
+            probe.findings.add("steering left", fault)
+            return
     poses = np.stack([state.poses[0] for state in states[len(states) // 2 :]])
     turn = math.remainder(float(poses[-1, 3] - poses[0, 3]), math.tau)
     covered_m = float(np.linalg.norm(np.diff(poses[:, :2], axis=0), axis=1).sum())

@@ -131,6 +131,18 @@ def test_members_may_be_unknown() -> None:
     assert lines(publishing(lambda state: {"places": None, "accelerations": None})) == []
 
 
+@pytest.mark.parametrize(
+    ("alter", "words"),
+    [
+        (lambda state: {"poses": None}, "poses is None"),
+        (lambda state: {"poses": state.poses * math.nan}, "not finite"),
+    ],
+)
+def test_a_malformed_state_is_told_once(alter, words) -> None:
+    (line,) = lines(publishing(alter))
+    assert line.endswith(words)
+
+
 def test_members_that_are_unknown_at_first_are_checked_later() -> None:
     def alter(state):
         fields = ("places", "accelerations")
