@@ -41,7 +41,7 @@ _KINDS = {
     "P": OPTION,
     "c": "[,:]",
     "b": rf"(?:far |much )?too \w+|{_BAD}|risk(?:y|ier)|risks?(?: an?)?(?! (?:of|in)\b)|un(?:wise|acceptable)|in(?:sufficient|adequate|appropriate|advisable)|useless"
-    r"|irresponsible|negligent|foolish|excessive|overkill|hazardous|catastrophic|disastrous|problem|last thing|be avoided|puts? (?:\w+ ){1,3}at risk"
+    r"|irresponsible|negligent|foolish|excessive|over(?:kill|reaction)|hazardous|catastrophic|disastrous|problem|last thing|be avoided|puts? (?:\w+ ){1,3}at risk"
     r"|(?:poses?|creates?) (?:an? |the )?(?!(?:no|little|less|least|low(?:er|est)?|small(?:er|est)?|minimal|minor|negligible) )(?:\w+ )?"
     r"(?:danger|threat|risk|hazard)|makes? (?:things|it|matters|the situation) (?:worse|more dangerous)"
     r"|(?:make|let)s? (?:(?!not )\w+ ){1,4}(?:hit|strike|ram)|(?:kill|endanger|harm|hurt|injure|hit|strike|ram|collide|die)s?"

@@ -106,7 +106,7 @@ It makes no sense to {0}.|There is no safe way to {0}.|{1} could result in a col
 Visibility is poor, which makes {1} unsafe.|I would not recommend {1}.|The ego should by no means {0}.|{1} isn't safe.|{1} isn't an option here.
 {1} would be the wrong decision.|We are too close to {0}.|It's too dangerous to {0}.|It isn't possible to {0} here.|{1} would not be appropriate.
 {1} is unacceptable.|It would be reckless to {0}.|{1} would be a terrible idea.|Nobody should {0} here.|{1} is not wise here.
-{1} cannot prevent the collision.|I'm not going to {0}.|We don't have time to {0}.|It would be too late to {0}.|{1} would be overkill.
+{1} cannot prevent the collision.|I'm not going to {0}.|We don't have time to {0}.|It would be too late to {0}.|{1} would be overkill.|{1} is an overreaction.
 {1} is completely unnecessary.|{1} is too dangerous with this truck behind us.|{1} is inappropriate here.|{1} would be a serious mistake.
 {1} is not an appropriate response.|We won't be able to {0} in time.|There isn't enough distance to {0}.|It is better not to {0}.
 I would rather not {0}.|{1} would be suicidal.|{1} is the worst thing to do.|The ego vehicle is unable to {0}.|{1} is not allowed here.
