@@ -1,6 +1,9 @@
 """Finds reasons that are against the option that they stand beside, or that disown an answer."""
 
 import re
+import tomllib
+from collections.abc import Sequence
+from importlib import resources
 
 from oodscen.judging._parsing.marking import GERUND, OPTION, number
 from oodscen.judging._parsing.stating import CRASH
@@ -37,42 +40,19 @@ _BAD = (
     r"(?:an? |the )?(?:(?:(?!hardly)\w+ly|very|too|so|most) )?(?:dangerous|unsafe|forbidden|illegal|prohibited|wrong|incorrect|bad|worst|worse|fatal"
     r"|deadly|lethal|suicid\w+|impossible|reckless|out of the question|ruled out|terrible|stupid|mistake|no option|unnecessary|needless|pointless|false|lie|decoy|joke)"
 )
-_KINDS = {
-    "P": OPTION,
-    "c": "[,:]",
-    "b": rf"(?:far |much )?too \w+|{_BAD}|risk(?:y|ier)|risks?(?: an?)?(?! (?:of|in)\b)|un(?:wise|acceptable)|in(?:sufficient|adequate|appropriate|advisable)|useless"
-    r"|irresponsible|negligent|foolish|excessive|over(?:kill|reaction)|hazardous|catastrophic|disastrous|problem|last thing|be avoided|puts? (?:\w+ ){1,3}at risk"
-    r"|(?:poses?|creates?) (?:an? |the )?(?!(?:no|little|less|least|low(?:er|est)?|small(?:er|est)?|minimal|minor|negligible) )(?:\w+ )?"
-    r"(?:danger|threat|risk|hazard)|makes? (?:things|it|matters|the situation) (?:worse|more dangerous)"
-    r"|(?:make|let)s? (?:(?!not )\w+ ){1,4}(?:hit|strike|ram)|(?:kill|endanger|harm|hurt|injure|hit|strike|ram|collide|die)s?"
-    rf"|(?:rear end )?{CRASH}|crashes|pile up",
-    "m": rf"not(?= {GERUND})",
-    "n": r"not(?! (?:only|just|merely|simply)\b)|\w+n't|cannot|never|hardly|no longer|neither|nobody|no one|nothing(?! but\b)|refuse|decline|reject|rule out|forbid"
-    r"|avoid(?:s|ing)?|prevents?|against|unable|unlikely|opposite of|than|less|least|doubt|(?:under|by|in|on) no (?:circumstances?|means|case|account)"
-    r"|no (?:\w+ )?(?:reason|need|room|time|space|point|sense|use|way|chance|possibility|distance|lane|shoulder|help)(?! but\b)|no(?= (?:problem|mistake|risk)\b)"
-    r"|(?:(?:any|every)thing|everyone|all|(?:any|every|all) (?:other )?\w+) (?:but|except(?: for)?|other than)",
-    "i": "if|when|where|until",
-    "u": "unless|without",
-    "h": "but|yet|however",
-    "a": "although|though|while",
-    "e": r"[;.!()\u2013\u2014-]|and|so|because|since|as|rather|which|(?:means|shows) that|(?:make|render)s?",
-    "t": "abruptly|suddenly|sharply|harshly|hard|completely|fully",
-    "r": "n?or",
-    "g": "safe(?:r|st)?|best|better|good|right|correct|possible|feasible|viable|necessary|needed|required|recommended|advisable|allowed|permitted|able|wise"
-    "|sensible|prudent|appropriate|acceptable|suitable|justified|warranted|reasonable|practical|enough|sufficient|suffice|work|help",
-    "k": rf"it(?:'s|(?= (?:is|was|seems|looks|isn't|wasn't|(?:\w+ not|\w+) be)\b))(?!(?: is|) not {GERUND}| isn't {GERUND})|(?:that|it)(?= (?:it is )?{_BAD})"
-    r"|(?:i|we)(?:'\w+)?|you|one|us|me|(?:the )?ego(?: vehicle| car)?|(?:my|our) (?:car|vehicle)|everyone|everybody|no(?:t|thing|ne)?|(?:think|believe)(?: that)?"
-    r"|would|will|should|must|shall|can|could|may|might|is|are|am|be|was|were|do|does|has|have|had|needs?|ought|want|like|intend|recommend|choose|pick|select|take"
-    r"|answer|say|advise|suggest|going|causes?|means?|seems?|looks?|(?:lead|result)s? (?:to|in)|then|there|here|now|also|only|just|simply|either|any|very|quite|almost"
-    r"|therefore|hence|thus|even|please|serious|severe|grave|big|huge|downright|to|an?|the|my|for|of|in|this|that|lane|situation|case|conditions|action|option|choice"
-    r"|idea|room|time|space|distance|\w+ly",
-    "x": r"[\w']+|\S",
-}
-"""The words of every kind: bad ones, denials (`m`, `n`, and `u`, also a condition), conditions, concessions (`h`, `a`), edges of a
-clause, manners (`t`), good ones, others that are known, and unknown ones."""
-_WORD = re.compile(
-    "|".join(rf"(?P<{kind}>(?:{words})(?!(?<=\w)[\w']))" for kind, words in _KINDS.items())
-)
+_FILLINGS = {"{bad}": _BAD, "{crash}": CRASH, "{gerund}": GERUND, "{option}": OPTION}
+
+
+def _kind(letter: str, words: Sequence[str]) -> str:
+    """Return the pattern of a whole word of a kind, in a group of its letter."""
+    pattern = "|".join(words)
+    for name, filling in _FILLINGS.items():
+        pattern = pattern.replace(name, filling)
+    return rf"(?P<{letter}>(?:{pattern})(?!(?<=\w)[\w']))"
+
+
+_TABLE = resources.files("oodscen.judging._parsing").joinpath("reasons.toml").read_text("utf-8")
+_WORD = re.compile("|".join(_kind(**kind) for kind in tomllib.loads(_TABLE)["kind"]))
 _GAP = "(?:[knu]|r[OPx])*"
 _CLAUSE = re.compile(
     "(?:^|(?<=([ecah])))(?=([iu])?)((?:[kgbnmiu]|[OP]r|nc[kx]{1,6}c){0,99})O(?(2)c?)"
