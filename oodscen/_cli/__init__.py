@@ -195,12 +195,12 @@ EXIT_CODES = {
     0: "success",
     1: "some items failed, a check failed, or a file cannot be written; what succeeded is written",
     2: "invalid request: unknown name, unreadable or malformed file, folder of another study",
-    3: "stopped by a cap or a server that is down; run the same command to continue",
+    3: "stopped by a cap or a server that is down; what succeeded is written",
     4: "a model fails the requirement (--require)",
     5: "no model fails the requirement, but there are too few scenes to tell of one",
-    129: "interrupted by SIGHUP (terminal closed); run the same command to continue",
-    130: "interrupted by Ctrl-C (SIGINT); run the same command to continue",
-    143: "interrupted by SIGTERM; run the same command to continue",
+    129: "interrupted by SIGHUP (terminal closed); what succeeded is written",
+    130: "interrupted by Ctrl-C (SIGINT); what succeeded is written",
+    143: "interrupted by SIGTERM; what succeeded is written",
 }
 
 _EPILOG = "\b\nExit codes:\n" + "\n".join(

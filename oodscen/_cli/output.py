@@ -3,8 +3,8 @@
 import os
 import sys
 from collections import Counter
-from collections.abc import Iterable
-from contextlib import suppress
+from collections.abc import Callable, Collection, Iterable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TypeVar
 
@@ -81,7 +81,22 @@ def write_bytes(out: Path, data: bytes) -> None:
 
 def write_lines(out: Path | None, items: Iterable[Data]) -> None:
     """Write one value per line."""
-    write(out, "\n".join(item.to_json() for item in items))
+    lines = [item.to_json() for item in items]
+    if lines:
+        write(out, "\n".join(lines))
+    elif out is not None:
+        write_bytes(out, b"")
+
+
+@contextmanager
+def if_stopped(finished: Collection[object], save: Callable[[], None]) -> Iterator[None]:
+    """Save what is finished, if anything, when an error or an interruption ends the work early."""
+    try:
+        yield
+    except BaseException:
+        if finished:
+            save()
+        raise
 
 
 def read_lines(kind: type[Row], path: Path) -> list[Row]:

@@ -26,7 +26,7 @@ from oodscen._cli.options import (
     things_encoder,
     things_option,
 )
-from oodscen._cli.output import read_lines, say, write, write_lines
+from oodscen._cli.output import if_stopped, read_lines, say, write, write_lines
 from oodscen._cli.paths import READABLE, FileCommand, OutputName, PathName
 from oodscen._cli.progress import bars, tracked
 from oodscen._cli.summaries import rounds_in_words
@@ -41,6 +41,7 @@ from oodscen.protocols import Camera
 if TYPE_CHECKING:
     from oodscen.data._scenario import Scenario
     from oodscen.data._scene import Scene
+    from oodscen.stages._redteam.rounds import Round
 
 
 @click.command(cls=FileCommand)
@@ -135,18 +136,25 @@ def redteam(
             name.removeprefix("red_"): value for name, value in choices.items() if value is not None
         },
     )
-    rounds = []
-    for red_round in tracked(teamer.rounds(grown), "redteam", iterations, ledger):
-        grown = grown.apply(*red_round.edits)
-        rounds.append(red_round)
-        if red_round.status == "failed":
-            say(f"round {red_round.round}: {red_round.error}", err=True)
-    if log is not None:
-        write_lines(log, rounds)
+    rounds: list[Round] = []
+
+    def save() -> None:
+        try:
+            if log is not None:
+                write_lines(log, rounds)
+        finally:
+            if out is not None or not as_json:
+                write(out, grown.to_json())
+
+    with if_stopped(rounds, save):
+        for red_round in tracked(teamer.rounds(grown), "redteam", iterations, ledger):
+            grown = grown.apply(*red_round.edits)
+            rounds.append(red_round)
+            if red_round.status == "failed":
+                say(f"round {red_round.round}: {red_round.error}", err=True)
     estimates = saturation(rounds)
     stopped_by = teamer.stopped_by(rounds)
-    if out is not None or not as_json:
-        write(out, grown.to_json())
+    save()
     if as_json:
         say(canonical_json({**estimates.model_dump(mode="json"), "stopped_by": stopped_by}))
     else:
@@ -239,12 +247,13 @@ def describe(
     paths = ScenarioTree.load(tree).paths
     scenarios: list[Scenario] = []
     failures: list[OodscenError] = []
-    for leaf, path in tracked(paths.items(), "describe", len(paths), ledger):
-        try:
-            scenarios += describer.path(leaf, path, per_path)
-        except (LLMError, UsageError) as error:
-            failures.append(error)
-            say(f"{leaf}: {error}", err=True)
+    with if_stopped(scenarios, lambda: write_lines(out, scenarios)):
+        for leaf, path in tracked(paths.items(), "describe", len(paths), ledger):
+            try:
+                scenarios += describer.path(leaf, path, per_path)
+            except (LLMError, UsageError) as error:
+                failures.append(error)
+                say(f"{leaf}: {error}", err=True)
     if failures and not scenarios:
         raise failures[-1]
     reworded: dict[str, Scenario] = {}
@@ -307,11 +316,12 @@ def augment(
     )
     items = read_lines(Scenario, scenarios)
     scenes: list[Scene] = []
-    for scenario in tracked(items, "augment", len(items), ledger):
-        try:
-            scenes.append(augmenter.run(scenario))
-        except LLMError as error:
-            say(f"{scenario.id}: {error}", err=True)
+    with if_stopped(scenes, lambda: write_lines(out, scenes)):
+        for scenario in tracked(items, "augment", len(items), ledger):
+            try:
+                scenes.append(augmenter.run(scenario))
+            except LLMError as error:
+                say(f"{scenario.id}: {error}", err=True)
     write_lines(out, scenes)
     say(f"{len(scenes)} of {len(items)} texts staged", err=True)
     sys.exit(len(scenes) < len(items))

@@ -103,9 +103,7 @@ def _thing_issues(
         yield Issue(path, unknown_words("asset", name, loadable))
         return
     if thing.category not in LOADABLE:
-        message = (
-            f"{name!r} is a {thing.category} and an actor of its own; this is for {_LOADABLE_WORDS}"
-        )
+        message = f"{name!r} is of the category {thing.category}, an actor of its own; this is for {_LOADABLE_WORDS}"
         yield Issue(path, message)
     width, length = sorted((thing.length, thing.width))
     extents = (length, width, thing.height)

@@ -1,11 +1,12 @@
 """The red-team command writes the tree and its log, and says how much is left."""
 
 import json
+from itertools import islice
 
 import pytest
 from click.testing import CliRunner
 
-from oodscen import ScenarioTree
+from oodscen import RedTeamer, ScenarioTree
 from oodscen._cli import main
 from oodscen._registry import DEFAULT_ENCODER
 from oodscen.stages._redteam.rounds import Round
@@ -62,3 +63,33 @@ def test_the_closed_loop_compares_meanings_unless_told_otherwise(grown, monkeypa
     result = call(grown, "--iterations", 1, *options)
     assert result.exit_code == 0, result.output
     assert asked == made
+
+
+def test_an_unwritable_log_costs_the_log_only(grown, tmp_path):
+    out = tmp_path / "out.json"
+    result = call(grown, "--iterations", 2, "--open-loop", "--log", "/dev/full", "-o", out)
+    assert (result.exit_code, "/dev/full" in result.output) == (1, True)
+    assert len(ScenarioTree.load(out).edits) > len(ScenarioTree.load(grown).edits)
+
+
+def test_a_log_without_rounds_is_empty(grown, tmp_path):
+    log = tmp_path / "log.jsonl"
+    assert call(grown, "--iterations", 0, "--open-loop", "--log", log).exit_code == 0
+    assert log.read_bytes() == b""
+
+
+def test_an_interruption_keeps_the_rounds_that_were_played(grown, tmp_path, monkeypatch):
+    played = RedTeamer.rounds
+
+    def interrupted(teamer, tree):
+        yield from islice(played(teamer, tree), 4)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(RedTeamer, "rounds", interrupted)
+    log, out = tmp_path / "log.jsonl", tmp_path / "out.json"
+    result = call(grown, "--iterations", 9, "--open-loop", "--log", log, "-o", out)
+    assert result.exit_code == 130
+    rounds = [Round.parse(line) for line in log.read_text().splitlines()]
+    assert len(rounds) == 4
+    edits = [edit for item in rounds for edit in item.edits]
+    assert ScenarioTree.load(out) == ScenarioTree.load(grown).apply(*edits)
