@@ -237,8 +237,10 @@ class Study(Brief, StudyUses):
         """The texts along the paths of the simulatable tree."""
         return self._rows(Scenario, "scenarios.jsonl")
 
+    @checked
     def texts(self, size: int) -> list[Scenario]:
-        """Return one of the text sets of the diverse tree."""
+        """Return the text set of a size of the diverse tree; empty if there is none."""
+        instance_of("size", size, int)
         return self._rows(Scenario, f"texts.diverse.{size}.jsonl")
 
     @property
@@ -335,23 +337,27 @@ class Study(Brief, StudyUses):
         """
         return study_coverage(self, tree)
 
+    @checked
     def trace(self, scene_id: str) -> "pa.Table":
         """Return the ground truth of one episode as an Arrow table; its first column is `phase`.
 
         Raises:
-            StudyError: When the run that simulated the episode did not keep traces.
+            StudyError: When there is no such episode, its run kept no traces, or its trace cannot be read.
             MissingExtra: When pyarrow is not installed.
         """
         name = f"traces/{scene_id}.parquet"
         if not self.store.has(name):
-            raise StudyError(f"{self.folder} holds no {name}: it was run without traces")
+            raise StudyError(
+                f"{self.folder} holds no {name}: there is no such episode, or it was run without traces"
+            )
         try:
-            import pyarrow.parquet as parquet
+            import pyarrow as pa
+            from pyarrow import parquet
         except ImportError:
             raise MissingExtra("a trace as a table", "tables", "pyarrow") from None
         try:
             return parquet.read_table(self.store.inside(name))
-        except (OSError, ValueError) as error:
+        except (OSError, pa.ArrowException) as error:
             raise StudyError(f"cannot read {self.folder / name}: {error}") from None
 
     @checked
