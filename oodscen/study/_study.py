@@ -259,12 +259,12 @@ class Study(Brief, StudyUses):
         return self._rows(Episode, "episodes.jsonl")
 
     @property
-    def whole(self) -> list[Episode]:
+    def paper_episodes(self) -> list[Episode]:
         """Every episode of the paper's protocol, including failed ones."""
         return self._rows(Episode, "episodes.paper.jsonl")
 
     @property
-    def behind(self) -> list[Episode]:
+    def rear_episodes(self) -> list[Episode]:
         """Every run in which the view from the rear window was taken, including failed ones."""
         return self._rows(Episode, REAR)
 
