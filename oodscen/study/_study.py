@@ -72,6 +72,7 @@ class Study(Brief, StudyUses):
         self.store = Store(folder)
 
     @classmethod
+    @checked
     def open(cls, folder: str | Path) -> Self:
         """Open an existing study.
 
@@ -80,7 +81,6 @@ class Study(Brief, StudyUses):
             DataError: When a name of a study's file belongs to a folder, a pipe or a device, or `study.json` is
                 malformed: empty, cut off, or without its fields.
         """
-        instance_of("folder", folder, str, Path)
         study = cls(folder)
         if not study.store.has("study.json"):
             raise StudyMissing(str(folder))
@@ -202,8 +202,8 @@ class Study(Brief, StudyUses):
     @property
     def exposure(self) -> dict[str, float]:
         """Estimated meetings per kilometre by leaf of the diverse tree; empty before the texts are measured."""
-        paths = self.metrics.get("paths")
-        return TreeRarity.parse(paths, source="metrics.json").per_km() if paths else {}
+        paths, source = self.metrics.get("paths"), str(self.folder / "metrics.json")
+        return TreeRarity.parse(paths, source=source).per_km() if paths else {}
 
     @checked
     def tree(self, name: str) -> ScenarioTree:

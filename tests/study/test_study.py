@@ -73,6 +73,27 @@ def test_a_name_that_no_file_can_have_is_no_study():
         Study.open("x" * 5_000)
 
 
+class Place(os.PathLike):
+    """A path of another library."""
+
+    def __init__(self, folder):
+        self.folder = folder
+
+    def __fspath__(self):
+        return str(self.folder)
+
+
+def test_a_path_of_another_library_opens_a_study(study):
+    assert Study.open(Place(study.folder)).folder == study.folder
+
+
+def test_malformed_metrics_are_named_with_their_folder(study):
+    Store(study.folder).write("metrics.json", '{"paths":3}')
+    with pytest.raises(DataError) as caught:
+        _ = study.exposure
+    assert caught.value.source == str(study.folder / "metrics.json")
+
+
 def test_unknown_names_have_close_matches(study):
     with pytest.raises(UnknownComponent) as caught:
         study.table("scenario")
