@@ -16,9 +16,10 @@ def summary(info: dict[str, Any]) -> str:
     """Summarise the results of a study in a few lines."""
     counts = info["counts"]
     nodes = counts["nodes"]
+    writers = [info["authors"][role] for role in ("llm", "fallback") if role in info["authors"]]
     lines = [
         f"{info['status']} in {info['seconds']['total']:.0f} s (seed {info['config']['seed']}); "
-        f"texts by {info['authors']['llm']}",
+        f"texts by {', else by '.join(writers)}",
         f"trees: {nodes['initial']} -> {nodes['diverse']} -> {nodes['simulatable']} nodes, "
         f"{counts['paths']} paths, {counts['attested']} of them attested by the paper",
         f"{counts['scenarios']} scenarios, {counts['scenes']} scenes, {counts['episodes']} episodes, "

@@ -21,8 +21,8 @@ Path = tuple[str | int, ...]
 
 _SPREAD = 0.2
 """Widest range of a parameter, as a share of its value to either side."""
-_HALVINGS = 3
-"""Number of times a range is halved before its parameter stays fixed."""
+_TRIES = 3
+"""Number of ends that are tried to either side, each half as far from the value as the one before."""
 _DRAWS_PER_VARIANT = 20
 _MAX_VARIANTS = 100_000
 _DECIMALS = 3
@@ -123,7 +123,7 @@ def _narrowed(widest: ParameterRange, is_sound_at: Callable[[float], bool]) -> P
 
 
 def _sound_end(value: float, end: float, is_sound_at: Callable[[float], bool]) -> float:
-    for _ in range(_HALVINGS):
+    for _ in range(_TRIES):
         if end == value or is_sound_at(end):
             return end
         end = round(0.5 * (value + end), _DECIMALS)

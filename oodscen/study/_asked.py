@@ -90,7 +90,7 @@ def asked_drives(study: "Study") -> list[AskedDrive]:
     keys = AnswerKeys(scenarios, judged.scenes, seed=config.seed)
     scenario_by_id = {scenario.id: scenario for scenario in scenarios}
     scene_by_id = {scene.id: scene for scene in judged.scenes}
-    behind = {episode.scene_id: episode for episode in study.behind}
+    behind = {episode.scene_id: episode for episode in study.rear_episodes}
     return [
         AskedDrive(
             episode,

@@ -21,7 +21,7 @@ def board_of(study: "Study", verdicts: Iterable[Verdict]) -> Leaderboard:
         verdicts,
         study.episodes,
         study.scenarios,
-        whole=study.whole,
+        whole=study.paper_episodes,
         audit=study.audit,
         seed=study.config.seed,
     )

@@ -69,21 +69,25 @@ def record(
 
 
 def authors(config: StudyConfig) -> dict[str, str]:
-    """Return who wrote the texts; the built-in author is worded so that it cannot pass for a model."""
-    names = {"llm": config.llm, "red_llm": config.red_llm or config.llm}
-    return {role: _author(name) for role, name in names.items()}
+    """Return who may have written the texts; the built-in author is worded so that it cannot pass for a model."""
+    names = {
+        "llm": config.llm,
+        "red_llm": config.red_llm or config.llm,
+        "fallback": config.fallback,
+    }
+    return {role: _author(name) for role, name in names.items() if name is not None}
 
 
 def _author(name: str) -> str:
     if not is_builtin(name):
         return name
-    knowledge = name.partition(":")[2]
-    if not knowledge:
+    _, colon, knowledge = name.partition(":")
+    if not colon:
         return _BUILTIN
     path = Path(knowledge)
     files = sorted(path.glob("*.toml")) if path.is_dir() else [path]
     sums = [[file.name, file_sha256(file).hex()] for file in files if file.is_file()]
-    return f"{_BUILTIN}, extended by {path.name} (digest {digest(sums)[:16]})"
+    return f"{_BUILTIN}, extended by {path.absolute().name} (digest {digest(sums)[:16]})"
 
 
 def versions(packages: Sequence[str] = ()) -> dict[str, str]:

@@ -173,7 +173,7 @@ class Tables(NamedTuple):
             study.store,
             study.config,
             study.episodes,
-            study.whole,
+            study.paper_episodes,
             study.scenarios,
             study.scenes,
         )

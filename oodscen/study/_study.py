@@ -72,6 +72,7 @@ class Study(Brief, StudyUses):
         self.store = Store(folder)
 
     @classmethod
+    @checked
     def open(cls, folder: str | Path) -> Self:
         """Open an existing study.
 
@@ -80,7 +81,6 @@ class Study(Brief, StudyUses):
             DataError: When a name of a study's file belongs to a folder, a pipe or a device, or `study.json` is
                 malformed: empty, cut off, or without its fields.
         """
-        instance_of("folder", folder, str, Path)
         study = cls(folder)
         if not study.store.has("study.json"):
             raise StudyMissing(str(folder))
@@ -202,8 +202,8 @@ class Study(Brief, StudyUses):
     @property
     def exposure(self) -> dict[str, float]:
         """Estimated meetings per kilometre by leaf of the diverse tree; empty before the texts are measured."""
-        paths = self.metrics.get("paths")
-        return TreeRarity.parse(paths, source="metrics.json").per_km() if paths else {}
+        paths, source = self.metrics.get("paths"), str(self.folder / "metrics.json")
+        return TreeRarity.parse(paths, source=source).per_km() if paths else {}
 
     @checked
     def tree(self, name: str) -> ScenarioTree:
@@ -237,8 +237,10 @@ class Study(Brief, StudyUses):
         """The texts along the paths of the simulatable tree."""
         return self._rows(Scenario, "scenarios.jsonl")
 
+    @checked
     def texts(self, size: int) -> list[Scenario]:
-        """Return one of the text sets of the diverse tree."""
+        """Return the text set of a size of the diverse tree; empty if there is none."""
+        instance_of("size", size, int)
         return self._rows(Scenario, f"texts.diverse.{size}.jsonl")
 
     @property
@@ -257,12 +259,12 @@ class Study(Brief, StudyUses):
         return self._rows(Episode, "episodes.jsonl")
 
     @property
-    def whole(self) -> list[Episode]:
+    def paper_episodes(self) -> list[Episode]:
         """Every episode of the paper's protocol, including failed ones."""
         return self._rows(Episode, "episodes.paper.jsonl")
 
     @property
-    def behind(self) -> list[Episode]:
+    def rear_episodes(self) -> list[Episode]:
         """Every run in which the view from the rear window was taken, including failed ones."""
         return self._rows(Episode, REAR)
 
@@ -335,23 +337,27 @@ class Study(Brief, StudyUses):
         """
         return study_coverage(self, tree)
 
+    @checked
     def trace(self, scene_id: str) -> "pa.Table":
         """Return the ground truth of one episode as an Arrow table; its first column is `phase`.
 
         Raises:
-            StudyError: When the run that simulated the episode did not keep traces.
+            StudyError: When there is no such episode, its run kept no traces, or its trace cannot be read.
             MissingExtra: When pyarrow is not installed.
         """
         name = f"traces/{scene_id}.parquet"
         if not self.store.has(name):
-            raise StudyError(f"{self.folder} holds no {name}: it was run without traces")
+            raise StudyError(
+                f"{self.folder} holds no {name}: there is no such episode, or it was run without traces"
+            )
         try:
-            import pyarrow.parquet as parquet
+            import pyarrow as pa
+            from pyarrow import parquet
         except ImportError:
             raise MissingExtra("a trace as a table", "tables", "pyarrow") from None
         try:
             return parquet.read_table(self.store.inside(name))
-        except (OSError, ValueError) as error:
+        except (OSError, pa.ArrowException) as error:
             raise StudyError(f"cannot read {self.folder / name}: {error}") from None
 
     @checked

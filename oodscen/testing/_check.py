@@ -47,7 +47,7 @@ _PARTS: dict[str, Callable[[Probe], None]] = {
     "motion": motion.check_motion,
     "frames": pictures.check_frames,
     "pictures": pictures.check_pictures,
-    "turning": cameras.check_turning,
+    "turning": cameras.check_turned_cameras,
     "refusals": runs.check_refusals,
     "leaks": isolation.check_leaks,
 }

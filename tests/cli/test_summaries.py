@@ -2,9 +2,28 @@ from types import SimpleNamespace
 
 import pytest
 
-from oodscen._cli.summaries import exit_code, kept_verdicts, left_out
+from oodscen._cli.summaries import exit_code, kept_verdicts, left_out, summary
 from oodscen.data._verdict import Verdict
 from oodscen.llm._accounting import Ledger
+
+
+@pytest.mark.parametrize(
+    ("authors", "told"),
+    [({"llm": "m", "red_llm": "r"}, "m"), ({"llm": "m", "fallback": "f"}, "m, else by f")],
+)
+def test_who_wrote_the_texts_is_told_with_the_fallback(authors, told) -> None:
+    numbers = ("paths", "attested", "scenarios", "scenes", "episodes", "verdicts")
+    counts = {**dict.fromkeys(numbers, 1), "nodes": {"initial": 1, "diverse": 1, "simulatable": 1}}
+    info = {
+        "status": "success",
+        "seconds": {"total": 1.0},
+        "config": {"seed": 0},
+        "authors": authors,
+        "counts": counts,
+        "failures": {},
+        "usage": [],
+    }
+    assert summary(info).splitlines()[0].endswith(f"texts by {told}")
 
 
 def test_items_without_a_whole_answer_are_told_per_model() -> None:

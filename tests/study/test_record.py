@@ -18,6 +18,13 @@ def test_the_built_in_author_is_never_called_a_model():
     assert "not a language model" in mixed["red_llm"]
 
 
+def test_a_fallback_may_have_written_too():
+    told = authors(StudyConfig(llm="gpt-4o", fallback="builtin"))
+    assert told["llm"] == "gpt-4o"
+    assert "not a language model" in told["fallback"]
+    assert "fallback" not in authors(StudyConfig())
+
+
 def test_an_own_knowledge_base_is_told_by_its_content(tmp_path):
     file = tmp_path / "mine.toml"
     told = []
@@ -29,6 +36,13 @@ def test_an_own_knowledge_base_is_told_by_its_content(tmp_path):
     assert "mine.toml" in told[0]
     file.unlink()
     assert "mine.toml" in authors(StudyConfig(llm=f"builtin:{file}"))["llm"]
+
+
+@pytest.mark.parametrize("name", ["builtin:", "builtin:."])
+def test_own_knowledge_of_the_working_folder_is_told_by_its_name(tmp_path, monkeypatch, name):
+    (tmp_path / "mine").mkdir()
+    monkeypatch.chdir(tmp_path / "mine")
+    assert "extended by mine (digest " in authors(StudyConfig(llm=name))["llm"]
 
 
 @pytest.mark.parametrize("name", ["flat", "pybullet", "highway", "sumo"])

@@ -2,9 +2,10 @@
 
 import os
 import pickle
+from contextlib import suppress
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from oodscen import Scenario, Study
@@ -72,6 +73,27 @@ def test_a_name_that_no_file_can_have_is_no_study():
         Study.open("x" * 5_000)
 
 
+class Place(os.PathLike):
+    """A path of another library."""
+
+    def __init__(self, folder):
+        self.folder = folder
+
+    def __fspath__(self):
+        return str(self.folder)
+
+
+def test_a_path_of_another_library_opens_a_study(study):
+    assert Study.open(Place(study.folder)).folder == study.folder
+
+
+def test_malformed_metrics_are_named_with_their_folder(study):
+    Store(study.folder).write("metrics.json", '{"paths":3}')
+    with pytest.raises(DataError) as caught:
+        _ = study.exposure
+    assert caught.value.source == str(study.folder / "metrics.json")
+
+
 def test_unknown_names_have_close_matches(study):
     with pytest.raises(UnknownComponent) as caught:
         study.table("scenario")
@@ -80,6 +102,39 @@ def test_unknown_names_have_close_matches(study):
         study.tree("simulated")
     with pytest.raises(UsageError):
         study.tree(None)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda study: study.texts("10"),
+        lambda study: study.trace(3),
+        lambda study: study.trace(None),
+    ],
+)
+def test_sizes_are_numbers_and_scenes_have_names(study, call):
+    with pytest.raises(UsageError, match="must be"):
+        call(study)
+
+
+@example(at=434, byte=69)  # The type of a column becomes an integer of more bits than there are.
+@given(at=st.integers(0, 500), byte=st.integers(0, 255))
+def test_a_trace_with_another_byte_is_a_table_or_a_study_error(tmp_path_factory, at, byte):
+    pyarrow, parquet = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    study = Study(tmp_path_factory.mktemp("traced"))
+    path = study.folder / "traces" / "a.parquet"
+    path.parent.mkdir()
+    parquet.write_table(pyarrow.table({"speed": [1, 2]}), path)
+    content = bytearray(path.read_bytes())
+    content[at] = byte
+    path.write_bytes(content)
+    with suppress(StudyError):
+        study.trace("a")
+
+
+def test_a_trace_that_is_missing_is_a_study_error(study):
+    with pytest.raises(StudyError, match="no such episode, or it was run without traces"):
+        study.trace("b")
 
 
 def test_a_malformed_line_is_named(study, tmp_path):

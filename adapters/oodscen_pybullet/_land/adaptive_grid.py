@@ -10,8 +10,8 @@ from oodscen_pybullet._types import Array, Ints, Mask
 
 Distance = Callable[[Array, Array], Array]
 
-TOLERANCE_M = 0.04
-"""Largest distance between the true edge of the roads and its triangulation, m."""
+_TOLERANCE_M = 0.04
+"""Distance from the true edge of the roads above which a triangulation is refined, m; the smallest squares are not."""
 _UNIT_M = 0.75
 """Side of the smallest squares, m: the unit of all sizes of squares."""
 _ROOT = 128
@@ -249,7 +249,7 @@ def _misses(ground: Ground, cells: Ints, size: int, asphalt: Array) -> Mask:
     distances = ground.near(*corners.reshape(-1, 2).T).asphalt.reshape(-1, 4)
     diagonals = distances[:, [0, 1]] + distances[:, [2, 3]]
     bend = np.abs(diagonals - 2.0 * asphalt[:, None]).max(axis=1)
-    rows = np.flatnonzero(bend > TOLERANCE_M)
+    rows = np.flatnonzero(bend > _TOLERANCE_M)
     halves = ([0, 1, 2], [0, 2, 3])
     is_off = _is_off(
         ground.asphalt,
@@ -288,11 +288,11 @@ def _is_off(distance: Distance, corners: Array, distances: Array) -> Mask:
     towards_c = _LATTICE[:, 2] / np.maximum(ac, _LEAST_SHARE)[:, None]
     is_beyond[is_cut] = towards_b + towards_c > 1.0
     is_positive = (distances[:, :1] > 0.0) ^ is_beyond
-    is_off = (((at_points > 0.0) != is_positive) & (np.abs(at_points) > TOLERANCE_M)).any(axis=1)
+    is_off = (((at_points > 0.0) != is_positive) & (np.abs(at_points) > _TOLERANCE_M)).any(axis=1)
     start, end = a + ab[:, None] * (b - a), a + ac[:, None] * (c - a)
     along_cut = start[:, None] + _QUARTERS[:, None] * (end - start)[:, None]
     on_cut = distance(*along_cut.reshape(-1, 2).T).reshape(-1, len(_QUARTERS))
-    is_off[is_cut] |= (np.abs(on_cut) > TOLERANCE_M).any(axis=1)
+    is_off[is_cut] |= (np.abs(on_cut) > _TOLERANCE_M).any(axis=1)
     return np.asarray(is_off)
 
 

@@ -123,7 +123,7 @@ class Appearance:
 
     @property
     def cycle(self) -> float:
-        """The completed fraction of a cycle of smoke, of a wheel or of pedals."""
+        """The completed fraction of a cycle of smoke."""
         return self.frame % STEPS / STEPS
 
     def colour(self, name: str) -> str:

@@ -24,7 +24,7 @@ from oodscen_pybullet._meshes.look import (
 from oodscen_pybullet._meshes.tilting import UPRIGHT, Tilt, tilted
 from oodscen_pybullet._types import Pose
 
-_RUNNING, _RUNNING_STRIDE = 2.4, 1.7
+_RUNNING_PACE, _RUNNING_STRIDE = 2.4, 1.7
 """Speed above which legs run, in walking strides per second, and the length of a running stride in walking ones."""
 _SIGNALS = frozenset({"signal", "work_zone"})
 """Categories of assets whose state may begin at a trigger."""
@@ -146,7 +146,7 @@ class SceneBodies:
         ):
             asset, state, details = body.asset, body.state, body.details
             if asset.category in _SIGNALS:
-                state = phase_of(state, body.trigger, fired_at, time)
+                state = phase_of(asset, state, body.trigger, fired_at, time)
             frame = frame_of(asset.id, state, pose, speed, time)
             if asset.category == "pedestrian" and asset.id in GAITS:
                 direction = seen_coming(pose, poses[0], speeds[0])
@@ -166,19 +166,20 @@ def _with_brake_lamps(state: str) -> str:
     return "brake" if state in ("", "off", "brake") else f"{state}+brake"
 
 
-def phase_of(state: str, trigger: Trigger, fired: float, time: float) -> str:
+def phase_of(asset: Asset, state: str, trigger: Trigger, fired: float, time: float) -> str:
     """Return the state that a signal shows: its own from the trigger on, and before it the preceding one.
 
-    A signal is amber for two seconds before it is red: up to a trigger by time, which is known in advance, or
-    after another one.
+    A signal that has amber shows it for two seconds before it is red: up to a trigger by time, which is known in
+    advance, or after another one.
 
     Args:
+        asset: The signal.
         state: The state of the scene.
         trigger: The trigger of the signal's behaviour; by default it fires at the start.
         fired: Time at which it fired, s; negative before.
         time: Time since the start, s.
     """
-    amber_s = _AMBER_S if state == "red" else 0.0
+    amber_s = _AMBER_S if state == "red" and "amber" in asset.states else 0.0
     if trigger.kind == "time":
         since = time - trigger.value
     else:
@@ -271,7 +272,7 @@ def _leg_frame(stride_m: float, pose: Pose, speed: float) -> int:
     pace = abs(speed)
     if pace < STANDING:
         return 0
-    if pace > _RUNNING * stride_m:
+    if pace > _RUNNING_PACE * stride_m:
         return RUNNING + _step_along(_RUNNING_STRIDE * stride_m, pose, STEPS)
     return WALKING + _step_along(stride_m, pose, STEPS)
 

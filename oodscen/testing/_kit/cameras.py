@@ -13,7 +13,7 @@ from oodscen.testing._kit.findings import NotApplicable
 from oodscen.testing._kit.probe import Probe
 from oodscen.testing._kit.shapes import place_faults
 
-DEPTH = 0.06
+_DEPTH = 0.06
 """Relative tolerance of the ground's depth."""
 _LEAST_SHARE = 0.75
 """Least share of the road's pixels whose depth must be within the tolerance."""
@@ -21,6 +21,10 @@ _SAMPLES = 400
 """Number of pixels whose place on the road is looked up."""
 _LEAST_SAMPLES = 20
 """Fewest pixels of the road that are compared."""
+_FARTHEST_M = 45.0
+"""Depth beyond the camera's height up to which the road is compared, m."""
+_LEAST_FALL = 1e-3
+"""Least fall of a pixel's ray by which the height is divided; the ground that it meets is too far to be compared."""
 
 
 def check_cameras(probe: Probe) -> None:
@@ -53,11 +57,8 @@ def _ground_faults(
     eye = Eye(camera, cast[0].solid)
     u, v = tangents(camera)
     fall = eye.forward[2] + v[:, None] * eye.down[2] + u[None, :] * eye.right[2]
-    with np.errstate(divide="ignore"):
-        expected = np.where(fall < -1e-3, -camera.z / fall, np.inf)
-    is_near = (expected < 45.0 + camera.z) & (frame.ids == 0)
-    if is_near.sum() < 100:
-        return []
+    expected = camera.z / np.maximum(-fall, _LEAST_FALL)
+    is_near = (expected < _FARTHEST_M + camera.z) & (frame.ids == 0)
     stride = max(1, int(is_near.sum()) // _SAMPLES)
     rows, columns = (indices[::stride] for indices in np.nonzero(is_near))
     depths = expected[rows, columns]
@@ -73,13 +74,13 @@ def _ground_faults(
         return []
     shown = frame.depth[rows, columns]
     errors = np.abs(shown / depths - 1.0)
-    if float((errors <= DEPTH).mean()) >= _LEAST_SHARE:
+    if float((errors <= _DEPTH).mean()) >= _LEAST_SHARE:
         return []
     median = int(np.argsort(errors)[len(errors) // 2])
     return [f"gives the road a depth of {shown[median]:.1f} m, not {depths[median]:.1f}"]
 
 
-def check_turning(probe: Probe) -> None:
+def check_turned_cameras(probe: Probe) -> None:
     """Check that a camera that is turned shows the bodies beside and behind the ego, and only those it looks at.
 
     Raises:
@@ -100,8 +101,9 @@ def check_turning(probe: Probe) -> None:
         frame, subject = probe.simulator.render(camera), f"camera turned by {turn_deg:g} degrees"
         for fault in place_faults(frame, camera, cast):
             probe.findings.add(subject, fault)
+        eye = Eye(camera, cast[0].solid)
         for row, body in enumerate(cast[1:], start=2):
-            outline = Eye(camera, cast[0].solid).silhouette(body.solid)
+            outline = eye.silhouette(body.solid)
             if not area(clipped(outline, camera.width, camera.height)) and (frame.ids == row).any():
                 probe.findings.add(subject, f"shows {body.id!r}, which is not where it looks")
 

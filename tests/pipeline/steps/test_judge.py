@@ -594,7 +594,7 @@ def test_a_quiz_takes_the_views_to_the_rear_that_a_study_lacks(quick, tmp_path):
         with pytest.raises(DataError, match="has no view to the rear"):
             write_quiz(study, scenes=1, rear_view=True)
         take_rear_views(study, drives[:count], RunOptions())
-        assert len(study.behind) == count
+        assert len(study.rear_episodes) == count
     page = write_quiz(study, scenes=1, rear_view=True).read_text()
     items = json.loads(html.fromstring(page).get_element_by_id("payload").text)["items"]
     assert ["rear" in item for item in items] == [True] * len(drives)
@@ -605,7 +605,7 @@ def test_a_view_to_the_rear_that_is_not_the_recorded_one_is_taken_again(folder):
     model = ConstantAnswerer("stop")
     model.name, model.kind = "m", "model"
     study = run_study(folder, config, models={"m": model})
-    edited, other = study.behind[0], study.behind[1]
+    edited, other = study.rear_episodes[0], study.rear_episodes[1]
     shutil.copyfile(folder / other.frames["last"], folder / edited.frames["last"])
     with pytest.raises(DataError, match="is not the recorded frame"):
         write_quiz(study, rear_view=True)

@@ -25,6 +25,7 @@ from oodscen.driving._sight.lamps import BRAKING
 
 CATALOGUE = load_catalogue()
 ASSETS = {asset.id: asset for asset in CATALOGUE.assets}
+LIGHT = ASSETS["traffic_light"]
 
 places = st.floats(-300, 300)
 yaws = st.floats(-math.pi, math.pi)
@@ -124,7 +125,7 @@ def test_lamps_run_in_the_dark_and_glow_where_the_body_is(
 
 @given(st.sampled_from(["red", "green", "amber", "off", "flashing"]), st.floats(0, 30))
 def test_a_signal_whose_trigger_fires_at_the_start_keeps_its_state(state: str, time: float) -> None:
-    assert phase_of(state, Trigger(), 0.0, time) == state
+    assert phase_of(LIGHT, state, Trigger(), 0.0, time) == state
 
 
 @given(st.floats(3.0, 20.0), st.sampled_from(["time", "distance", "ttc"]))
@@ -132,11 +133,11 @@ def test_a_light_turns_from_green_over_amber_to_red_and_stays_red(at: float, kin
     trigger = Trigger.model_validate({"kind": kind, "value": at})
     fired = at if kind == "time" else at - 2.0
     times = [index * 0.05 for index in range(500)]
-    shown = [phase_of("red", trigger, fired if now >= fired else -1.0, now) for now in times]
+    shown = [phase_of(LIGHT, "red", trigger, fired if now >= fired else -1.0, now) for now in times]
     assert [state for state, _ in itertools.groupby(shown)] == ["green", "amber", "red"]
     assert times[shown.index("red")] == pytest.approx(at, abs=0.051)
     assert shown.count("amber") == pytest.approx(40, abs=1)
-    assert "amber" not in [phase_of("green", trigger, fired, now) for now in times]
+    assert "amber" not in [phase_of(LIGHT, "green", trigger, fired, now) for now in times]
 
 
 @given(
@@ -150,8 +151,19 @@ def test_a_light_that_does_not_turn_red_changes_at_its_trigger(
 ) -> None:
     state, before = states
     trigger = Trigger.model_validate({"kind": kind, "value": at})
-    shown = phase_of(state, trigger, at if time >= at else -1.0, time)
+    shown = phase_of(LIGHT, state, trigger, at if time >= at else -1.0, time)
     assert shown == (state if time >= at - 1e-6 * (kind == "time") else before)
+
+
+@pytest.mark.parametrize("kind", ["time", "distance", "ttc"])
+def test_a_light_shows_none_but_its_own_states(kind: str) -> None:
+    trigger = Trigger.model_validate({"kind": kind, "value": 5.0})
+    for asset in CATALOGUE.assets:
+        if asset.category == "signal":
+            for state, tick in itertools.product(asset.states, range(200)):
+                time = 0.05 * tick
+                shown = phase_of(asset, state, trigger, 5.0 if time >= 5.0 else -1.0, time)
+                assert shown in asset.states
 
 
 @given(places, places, yaws, st.floats(-2.1, 2.1), st.floats(1.0, 20.0), st.floats(-0.4, 0.4))
