@@ -200,6 +200,8 @@ class DrivingSession:
         if report.skipped:
             # Neither passed nor failed, for the baseline; what it drove counts for the stack nevertheless.
             vars(report)["oodscen"] = {"drives": driven}
+            if driven:
+                self._add_properties(item, report, scene, drive)
             return report
         outcome: Outcome = "failed" if report.failed or subtests.forgiven else "passed"
         known_test = KnownTest(outcome=outcome, scene=scene.digest())
@@ -260,16 +262,16 @@ class DrivingSession:
         report: pytest.TestReport,
         scene: "Scene",
         drive: "Drive | None",
-        change: Change,
+        change: Change | None = None,
     ) -> None:
-        """Add the properties of a test for the JUnit file."""
+        """Add the properties of a test for the JUnit file; one that is skipped does not differ from the baseline."""
         from oodscen.pytest_plugin._properties import drive_properties, with_properties
 
         properties: list[tuple[str, object]] = [
             ("oodscen.scene", scene.id),
             ("oodscen.path", " > ".join(self.scenes.path(scene))),
         ]
-        if self._file is not None:
+        if self._file is not None and change is not None:
             properties.append(("oodscen.change", change))
         if drive is not None:
             properties += drive_properties(drive)

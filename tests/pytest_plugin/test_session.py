@@ -125,8 +125,12 @@ def test_a_stack_cannot_skip_the_drives_that_a_requirement_counts(session, skip)
 def test_drives_count_whatever_pytest_makes_of_their_test(session, pytester, before, after):
     def figures(text):
         pytester.makepyfile(test_other=f"import pytest\nfrom stack import Blind\n{text}")
-        found = session("Blind", "-k", "test_other", "--oodscen-require=safe>=0.5")
+        options = ("--oodscen-require=safe>=0.5", "--junitxml=junit.xml")
+        found = session("Blind", "-k", "test_other", *options)
         assert found.ret == pytest.ExitCode.TESTS_FAILED
+        cases = ElementTree.parse(pytester.path / "junit.xml").iter("testcase")
+        names = [{each.get("name") for each in case.iter("property")} for case in cases]
+        assert all({"oodscen.scene", "oodscen.path"} < found for found in names)
         return [line for line in found.outlines if "scenes: " in line]
 
     plain = figures("def test_other(drive):\n    assert drive(Blind).is_safe\n")
