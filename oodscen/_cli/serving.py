@@ -65,6 +65,7 @@ def serve(source: Path | None, port: int, host: str, simulator: str | None, seed
     except ModuleNotFoundError as error:
         raise MissingExtra("oodscen serve", "carla-server", error.name or "msgpack") from None
 
+    say(f"loading {simulator} and its maps ...", err=True)
     with server.serve(
         scenes, host=host, port=port, simulator=simulator, seed=seed, log=_Log().add
     ) as serving:

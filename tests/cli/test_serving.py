@@ -79,7 +79,8 @@ def test_a_log_that_nobody_reads_delays_no_request(are_joined):
     question = msgpack.packb([0, 1, "x" * 80, []])
     with subprocess.Popen(order, stdout=subprocess.PIPE, stderr=unread) as process:
         try:
-            port = int(re.search(rb":(\d+);", process.stdout.readline())[1])
+            said = filter(None, (re.search(rb":(\d+);", line) for line in process.stdout))
+            port = int(next(said)[1])
             with socket.create_connection(("127.0.0.1", port), 20) as client:
                 for _ in range(2_000):  # More than a pipe holds and the log keeps.
                     client.sendall(question)
