@@ -14,7 +14,7 @@ from click.testing import CliRunner
 
 from oodscen import TreeGrower, _cli, make_llm
 from oodscen._cli import _interruptible, main
-from oodscen._cli.output import read_lines, write
+from oodscen._cli.output import if_stopped, read_lines, write
 from oodscen.data._scenario import Scenario
 from oodscen.errors import DataError, FolderTaken, OodscenError
 from tests.forks import ended_fork
@@ -285,3 +285,15 @@ def test_foreign_text_reaches_the_terminal_at_one_place():
         if "click.echo(" in path.read_text(encoding="utf-8")
     }
     assert found == {"output", "show", "completion"}  # Pictures and a script of our own.
+
+
+@pytest.mark.parametrize("error", [None, OodscenError("down"), KeyboardInterrupt(), SystemExit(3)])
+@pytest.mark.parametrize("items", [[], ["a scene"]])
+def test_what_is_finished_is_saved_when_work_is_stopped(items, error):
+    finished, saved = [], []
+    stop = suppress(OodscenError, KeyboardInterrupt, SystemExit)
+    with stop, if_stopped(finished, lambda: saved.extend(finished)):
+        finished += items
+        if error:
+            raise error
+    assert saved == (items if error else [])
