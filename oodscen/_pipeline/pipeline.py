@@ -36,7 +36,7 @@ from oodscen.errors import OodscenError, RunStopped, StudyError, StudyMismatch
 from oodscen.llm._accounting import accounts
 from oodscen.report._render import write_report
 from oodscen.study._config import JUDGING, Status, StudyConfig
-from oodscen.study._record import joined_versions, record
+from oodscen.study._record import authors, joined_versions, record
 from oodscen.study._rounds import failed_at_end
 from oodscen.study._shared_settings import refuse_changed_settings
 from oodscen.study._stale_verdicts import OPINIONS
@@ -190,6 +190,14 @@ class Pipeline:
             made_with = self.study.info.get("versions", {}).get("oodscen")
             if made_with != __version__:
                 differences["oodscen"] = (made_with, __version__)
+            if self.study.info.get("status") in ("running", "stopped"):
+                # What is still to be written would be by another author than it says.
+                began_by, now = self.study.info.get("authors", {}), authors(self.config)
+                differences |= {
+                    role: (began_by[role], author)
+                    for role, author in now.items()
+                    if began_by.get(role, author) != author
+                }
             if differences:
                 raise StudyMismatch(str(self.study.folder), differences)
             verdicts = map(Verdict.parse, self.store.lines("verdicts.jsonl"))

@@ -64,6 +64,7 @@ class DrivingSession:
         self._is_whole = False
         """True once all tests have run."""
         self._has_lost_process = False
+        self._is_interrupted = False
         self._registered_marks: set[str] = set()
         try:
             self._bars = _parse_bars(setting(config, "oodscen_require"))
@@ -319,11 +320,15 @@ class DrivingSession:
             if before is None or before.passed:  # Of several drives by one stack the worst counts.
                 self._drives[result.id] = result
 
+    def pytest_keyboard_interrupt(self) -> None:
+        """Note that Ctrl-C or `pytest.exit` ends the session; its exit code may be that of a whole one."""
+        self._is_interrupted = True
+
     @pytest.hookimpl(tryfirst=True)
     def pytest_sessionfinish(self, session: pytest.Session, exitstatus: int) -> None:
         """Grade the stacks, write the baseline, and fail the session where a stack does not meet the bars."""
         has_ended = exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
-        is_cut_short = session.shouldfail or session.shouldstop
+        is_cut_short = session.shouldfail or session.shouldstop or self._is_interrupted
         self._is_whole = has_ended and not is_cut_short and not self._has_lost_process
         if hasattr(self._config, "workerinput") or not self._is_whole or self._collects_only:
             return

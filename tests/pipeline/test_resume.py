@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from oodscen import Study
 from oodscen._pipeline import Outputs, run_study
 from oodscen.data._pairing import scene_of
-from oodscen.errors import DataError, UsageError
+from oodscen.errors import DataError, StudyMismatch, UsageError
 from oodscen.testing import ScriptedLLM
 from tests.pipeline.quick import ORDINARY, QUICK, SMALL, content, lines, rewrite
 
@@ -309,3 +309,18 @@ def test_outputs_that_episodes_were_run_with_may_be_asked_for_again(small, tmp_p
     for _ in range(2):
         run_study(tmp_path, SMALL, outputs=Outputs(annotations=True))
     assert list(tmp_path.glob("frames/*/last.json"))
+
+
+@pytest.mark.parametrize("status", ["running", "stopped", "success", "incomplete"])
+def test_only_an_unfinished_study_needs_the_author_that_began_it(small, tmp_path, status):
+    folder = shutil.copytree(small, tmp_path / "out")
+    info = json.loads((folder / "study.json").read_text())
+    info["status"] = status
+    info["authors"]["llm"] += ", extended by mine.toml (digest 0)"
+    (folder / "study.json").write_text(json.dumps(info))
+    if status in ("success", "incomplete"):
+        assert run_study(folder, SMALL).info["authors"]["llm"] == info["authors"]["llm"]
+        return
+    with pytest.raises(StudyMismatch, match=r"llm: the study has .*mine\.toml"):
+        run_study(folder, SMALL)
+    assert json.loads((folder / "study.json").read_text()) == info

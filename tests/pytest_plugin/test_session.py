@@ -284,12 +284,13 @@ def test_a_baseline_holds_tests_whose_file_has_no_name_in_utf_8(session, pyteste
     result.stdout.fnmatch_lines(["*known.json: 0 regressions, 0 new failures*"])
 
 
-def test_an_interrupted_session_says_that_nothing_is_written(session, pytester):
+@pytest.mark.parametrize("code", [None, 0, 1])
+def test_an_interrupted_session_says_that_nothing_is_written(session, pytester, code):
     with (pytester.path / "test_stack.py").open("a") as tests:
-        tests.write("\n\ndef test_zz(scene):\n    __import__('pytest').exit('stop')\n")
+        tests.write(f"\n\ndef test_zz(scene):\n    __import__('pytest').exit('stop', {code})\n")
     write = ["--oodscen-baseline=known.json", "--oodscen-baseline-mode=write"]
     result = session("'rule-based'", *write, "--oodscen-require=safe>=0", "-k", "kerb")
-    assert result.ret == pytest.ExitCode.INTERRUPTED
+    assert result.ret == (pytest.ExitCode.INTERRUPTED if code is None else code)
     result.stdout.fnmatch_lines(["*known.json: not all tests ran*", "not all tests ran, *graded*"])
     assert not (pytester.path / "known.json").exists()
 
