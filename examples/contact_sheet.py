@@ -48,7 +48,9 @@ def main(folder: str = "out", picture: str = "contact_sheet.jpg", moment: str = 
     rows = [np.hstack(tiles[i : i + COLUMNS]) for i in range(0, len(tiles), COLUMNS)]
     if not cv2.haveImageWriter(picture):
         raise OSError(f"{picture} has no suffix of a picture, such as .jpg or .png")
-    if not cv2.imwrite(picture, np.vstack(rows), [cv2.IMWRITE_JPEG_QUALITY, 80]):
+    is_jpeg = picture.lower().endswith((".jpg", ".jpeg"))
+    options = [cv2.IMWRITE_JPEG_QUALITY, 80] if is_jpeg else []
+    if not cv2.imwrite(picture, np.vstack(rows), options):
         raise OSError(f"{picture} cannot be written; is its folder there?")
     print(f"{len(seen)} paths on {picture}")
 

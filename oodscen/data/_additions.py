@@ -105,8 +105,8 @@ def _tidy(value: Any) -> Any:
 
 
 def map_with(traits: Iterable[str]) -> Addition:
-    """Return the addition of a single map that has all these traits."""
-    return Addition(kind="map", name=" + ".join(dict.fromkeys(traits)))
+    """Return the addition of a single map that has all these traits; of any road if there are none."""
+    return Addition(kind="map", name=" + ".join(dict.fromkeys(traits)) or "road")
 
 
 def extend(catalogue: Catalogue, additions: Iterable[Addition]) -> Catalogue:

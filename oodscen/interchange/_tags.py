@@ -17,6 +17,7 @@ from oodscen.data._scene import DUSK_DEG, FOG_M, Actor, Precipitation, Scene, We
 from oodscen.driving._motion.behaviours import BUILT_IN
 from oodscen.driving._roads.building import find_map, load_corridor
 from oodscen.driving._roads.corridor import Corridor, ego_strip, neighbour_strip
+from oodscen.errors import Issue, SceneError
 from oodscen.interchange._writing.entities import classified
 
 ONTOLOGY = "https://openlabel.asam.net/V1-0-0/ontologies/openlabel_ontology_scenario_tags.ttl"
@@ -111,6 +112,10 @@ def scene_tags(scene: Scene, catalogue: Catalogue) -> dict[str, float | None]:
 
     Speeds are in km/h, the sun's elevation in degrees, precipitation in mm/h, and visual range in m, as the
     ontology has them.
+
+    Raises:
+        UnknownComponent: If the catalogue lacks the scene's map.
+        SceneError: If it lacks an asset or a behaviour of the scene.
     """
     road_map = find_map(scene.map, catalogue)
     tags: dict[str, float | None] = dict(_weather_tags(scene.weather))
@@ -119,11 +124,14 @@ def scene_tags(scene: Scene, catalogue: Catalogue) -> dict[str, float | None]:
     tags["subjectVehicleSpeedValue"] = round(_KPH * scene.ego.speed, 3)
     tags["SubjectVehicleSpeed"] = None
     catalogue = catalogue.for_scene(scene)
-    for actor in scene.actors:
-        asset = catalogue.asset(actor.asset)
+    for index, actor in enumerate(scene.actors):
+        try:
+            asset, kind = catalogue.asset(actor.asset), catalogue.behaviour(actor.behaviour.name)
+        except KeyError as error:
+            fault = Issue(f"actors[{index}]", f"the simulator has no {error.args[0]!r}")
+            raise SceneError(scene.id, [fault]) from None
         lane = neighbour_strip(road, ego_strip(road, scene.ego.lane), actor.placement.lane)
         direction = road.strips[lane].direction
-        kind = catalogue.behaviour(actor.behaviour.name)
         tags |= dict.fromkeys((*_body_tags(asset), *_motion_tags(actor, asset, kind, direction)))
     return dict(sorted(tags.items()))
 

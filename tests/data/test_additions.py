@@ -56,6 +56,7 @@ def test_a_map_brings_every_map_with_fewer_traits():
         Addition(kind="behaviour", name="spin"),
         Addition(kind="weather", name="dust"),
         map_with(["coastal", "tunnel"]),
+        map_with([]),
         Addition(kind="state", name="deer: asleep"),
     ],
     ids=lambda one: one.words,

@@ -1,6 +1,7 @@
 import pytest
 
 from oodscen.driving._motion.behaviours import BUILT_IN
+from oodscen.errors import SceneError
 from oodscen.interchange._tags import KNOWN_TAGS, count_tags, openlabel, scene_tags
 from tests.driving.networks import file, lane, road
 from tests.interchange.staging import SCENES, catalogue, doing
@@ -20,6 +21,15 @@ def test_tags_agree_with_the_scene():
         categories = {catalogue().asset(actor.asset).category for actor in scene.actors}
         assert ("RoadUserAnimal" in tags) == ("animal" in categories)
         assert sum(tag in tags for tag in ("HorizontalCurves", "HorizontalStraights")) == 1
+
+
+@pytest.mark.parametrize(
+    "lacking", ["assets", "behaviours"], ids=["without assets", "without behaviours"]
+)
+def test_a_simulator_that_lacks_something_of_the_scene_is_told(lacking):
+    scene = next(scene for scene in SCENES if scene.actors)
+    with pytest.raises(SceneError, match=r"actors\[0\]: the simulator has no '"):
+        scene_tags(scene, catalogue().model_copy(update={lacking: ()}))
 
 
 @pytest.mark.parametrize(("rule", "direction"), [("RHT", "Right"), ("LHT", "Left")])
