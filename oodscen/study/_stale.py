@@ -37,7 +37,7 @@ def stale_scenes(
         changed: The ids of scenes whose texts have changed.
     """
     now = {scene.id: scene.digest() for scene in scenes}
-    staged = list(staged)
+    staged, episodes = list(staged), list(episodes)
     demands = [line["demand"] for line in staged if isinstance(line.get("demand"), Mapping)]
     run_demands = {demand.get("id"): digest(demand) for demand in demands}
 
@@ -51,11 +51,11 @@ def stale_scenes(
         is_same_demand = demand is None or now.get(episode.scene_id) == demand
         return now.get(name) != episode.made_from or not is_same_demand
 
-    episodes = list(episodes)
-    ran = {episode.scene_id for episode in episodes}
     stale = [scene_of(episode.scene_id) for episode in episodes if is_stale(episode)]
-    lost = (str(line["id"]) for line in staged if line.get("how") is not None)
-    return list(dict.fromkeys([*stale, *(name for name in lost if name not in ran)]))
+    ran = {episode.scene_id for episode in episodes}
+    names = (line.get("id") for line in staged if line.get("how") is not None)
+    lost = (name for name in names if isinstance(name, str) and name not in ran)
+    return list(dict.fromkeys([*stale, *lost]))
 
 
 def changed_texts(study: "Study") -> set[str]:
@@ -97,8 +97,8 @@ def in_words(stale: list[str]) -> str:
         subject, pronoun = f"{len(stale)} scenes, or their texts, have", "they were"
     more = ", ..." if len(stale) > _SHOWN else ""
     return (
-        f"{subject} changed or been removed since {pronoun} run: {', '.join(stale[:_SHOWN])}{more}; the same `oodscen run OUT` makes "
-        "their episodes again"
+        f"{subject} changed or been removed since {pronoun} run: {', '.join(stale[:_SHOWN])}{more}; "
+        "the same `oodscen run OUT` makes their episodes again"
     )
 
 

@@ -50,6 +50,12 @@ def test_the_scenes_that_changed_are_stale_and_no_others(changes):
     assert stale_scenes(episodes, scenes, staged) == wanted
 
 
+@pytest.mark.parametrize("line", [{}, {"id": None}, {"id": 3}, {"id": []}])
+def test_a_staged_line_without_a_name_makes_no_scene_stale(line):
+    assert stale_scenes([], [], [{"how": "", **line}]) == []
+    assert stale_scenes([], [], [{"how": "", "id": "box"}]) == ["box"]
+
+
 @pytest.fixture
 def stale(small, tmp_path):
     """Return a study whose scene was changed by hand."""
