@@ -1,4 +1,4 @@
-"""Decimal numbers, times and speeds as text."""
+"""Decimal numbers, shares, times and speeds as text."""
 
 from decimal import ROUND_HALF_UP, Decimal
 
@@ -8,6 +8,14 @@ def exact(value: float) -> str:
     return repr(float(value)).removesuffix(".0")
 
 
+def fine_percent(share: float) -> str:
+    """Return a share in whole per cent; a small one, as rare kinds have, is not called none, nor the rest all."""
+    nearest = min(share, 1.0 - share)
+    if 0.0 < nearest < 0.001:
+        return "<0.1%" if share < 0.5 else ">99.9%"
+    return f"{share:.1%}" if 0.0 < nearest < 0.01 else f"{share:.0%}"
+
+
 def tenths(value: float) -> str:
     """Return a number with one decimal; halves go away from zero, also where the binary number lies just below.
 
@@ -15,8 +23,8 @@ def tenths(value: float) -> str:
     """
     if not abs(value) < 1e15:
         return f"{value:.1f}"
-    exact = Decimal(repr(round(value, 9) + 0.0))
-    return str(exact.quantize(Decimal("0.1"), ROUND_HALF_UP) + 0)
+    decimal = Decimal(repr(round(value, 9) + 0.0))
+    return str(decimal.quantize(Decimal("0.1"), ROUND_HALF_UP) + 0)
 
 
 def seconds(value: float) -> str:

@@ -52,14 +52,6 @@ def cut(text: str) -> str:
     return "\n".join(lines)
 
 
-def percent(share: float) -> str:
-    """Return a share in whole per cent; a small one, as rare kinds have, is not called none, nor the rest all."""
-    nearest = min(share, 1.0 - share)
-    if 0.0 < nearest < 0.001:
-        return "<0.1%" if share < 0.5 else ">99.9%"
-    return f"{share:.1%}" if 0.0 < nearest < 0.01 else f"{share:.0%}"
-
-
 def _names(value: Any) -> Iterator[str]:
     kind = type(value)
     if kind._repr_fields:

@@ -302,10 +302,9 @@ class AnswerError(LLMError):
         self.raw = raw
         self.attempts = attempts
         faults = "; ".join(map(str, self.issues))
-        happened = f"gave no valid answer to {purpose!r} in {attempts} attempts"
-        if attempts < 2:
-            happened = f"{'gave no valid answer to' if attempts else 'was not asked'} {purpose!r}"
-        super().__init__(f"{model} {happened}: {faults}", model=model)
+        happened = "gave no valid answer to" if attempts else "was not asked"
+        tries = f" in {attempts} attempts" if attempts > 1 else ""
+        super().__init__(f"{model} {happened} {purpose!r}{tries}: {faults}", model=model)
 
 
 class SceneError(OodscenError):

@@ -1,11 +1,8 @@
 """Drives of stacks in worker processes: a stack that ends its process loses one scene, not the others."""
 
 import atexit
-import os
-import sys
 from collections.abc import Iterator, Sequence
 from concurrent.futures import BrokenExecutor, as_completed
-from contextlib import redirect_stdout
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
@@ -94,13 +91,10 @@ def drive_all(
 def _drive_here(
     drivers: Sequence[str], scenes: Sequence[Scene], simulator: str, seed: int
 ) -> Iterator[Results]:
-    with redirect_stdout(sys.stderr):
-        makers = {name: driver_maker(name) for name in drivers}
+    makers = {name: driver_maker(name) for name in drivers}
     with using(make_simulator(simulator)) as shared:
         for name, scene in product(drivers, scenes):
-            with redirect_stdout(sys.stderr):
-                results = drive([scene], makers[name], shared, name=name, seed=seed)
-            yield results
+            yield drive([scene], makers[name], shared, name=name, seed=seed)
 
 
 def _prepare_in(pool: Processes, job: DriveJob, time_limit_s: float | None) -> None:
@@ -120,7 +114,6 @@ def _prepare_worker(job: DriveJob) -> None:
 @lru_cache(maxsize=1)
 def _simulator_and_maker(job: DriveJob) -> tuple[Simulator, MakeDriver]:
     """Return the simulator of this worker and the maker of its drivers, which it makes once."""
-    os.dup2(sys.stderr.fileno(), 1)
     make = driver_maker(job.driver)
     simulator = make_simulator(job.simulator)
     atexit.register(close, simulator)

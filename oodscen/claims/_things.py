@@ -5,9 +5,9 @@ import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
 from typing import Any, NamedTuple
 
+from oodscen._files import bundled
 from oodscen._text import AMERICAN
 from oodscen.data._catalogue import Asset, RoadMap
 from oodscen.prompts._digest import AssetLine
@@ -89,8 +89,8 @@ class Mention(NamedTuple):
 @cache
 def things() -> tuple[Thing, ...]:
     """Return all known kinds of things; those without terms only keep their words from being read as other things."""
-    source = resources.files("oodscen.claims").joinpath("things.toml").read_text(encoding="utf-8")
-    return tuple(_thing(entry) for entry in tomllib.loads(source)["thing"])
+    table = tomllib.loads(bundled("things.toml", "oodscen.claims"))
+    return tuple(map(_thing, table["thing"]))
 
 
 def _thing(entry: dict[str, Any]) -> Thing:

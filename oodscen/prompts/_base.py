@@ -5,7 +5,6 @@ import json
 import re
 from collections.abc import Mapping
 from functools import cache
-from importlib import resources
 from typing import Any, ClassVar, Generic, TypeVar
 
 import jinja2
@@ -13,6 +12,7 @@ import jinja2.meta
 from pydantic import BaseModel
 
 from oodscen._decimals import seconds, speed
+from oodscen._files import bundled
 from oodscen.data._base import Data, canonical_json
 from oodscen.data._messages import Image, Message
 from oodscen.errors import Issue
@@ -116,7 +116,7 @@ def _version(kind: type[Prompt[Any]]) -> str:
 
 
 def _source(template: str) -> str:
-    return (resources.files("oodscen.prompts") / template).read_text(encoding="utf-8")
+    return bundled(template, "oodscen.prompts")
 
 
 @cache

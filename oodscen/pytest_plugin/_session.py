@@ -63,8 +63,8 @@ class DrivingSession:
         """The error that kept the baseline or the grades from being made."""
         self._is_whole = False
         """True once all tests have run."""
-        self._has_lost_process = False
-        self._is_interrupted = False
+        self._is_cut_short = False
+        """True once a process has died, or Ctrl-C or `pytest.exit` has come."""
         self._registered_marks: set[str] = set()
         try:
             self._bars = _parse_bars(setting(config, "oodscen_require"))
@@ -305,7 +305,7 @@ class DrivingSession:
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Collect what the reports of all processes carry."""
-        self._has_lost_process |= report.when not in _PHASES
+        self._is_cut_short |= report.when not in _PHASES
         carried: Mapping[str, Any] | None = getattr(report, "oodscen", None)
         if carried is None or hasattr(self._config, "workerinput"):
             return
@@ -322,14 +322,14 @@ class DrivingSession:
 
     def pytest_keyboard_interrupt(self) -> None:
         """Note that Ctrl-C or `pytest.exit` ends the session; its exit code may be that of a whole one."""
-        self._is_interrupted = True
+        self._is_cut_short = True
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_sessionfinish(self, session: pytest.Session, exitstatus: int) -> None:
         """Grade the stacks, write the baseline, and fail the session where a stack does not meet the bars."""
         has_ended = exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
-        is_cut_short = session.shouldfail or session.shouldstop or self._is_interrupted
-        self._is_whole = has_ended and not is_cut_short and not self._has_lost_process
+        is_cut_short = session.shouldfail or session.shouldstop or self._is_cut_short
+        self._is_whole = has_ended and not is_cut_short
         if hasattr(self._config, "workerinput") or not self._is_whole or self._collects_only:
             return
         try:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from oodscen._display import percent
+from oodscen._decimals import fine_percent
 from oodscen.data._sighting import TO_NAME
 from oodscen.report._charts.rounds import saturation_chart
 from oodscen.report._charts.scores import intervals
@@ -136,5 +136,7 @@ def covered(study: Study, material: Material) -> Variables | None:
     return {
         "rows": [row for row in report.rows if row.kind != "leaf"],
         "holes": [(words, labels) for words, labels in holes if labels],
-        "exposed_holes": None if report.exposed_holes is None else percent(report.exposed_holes),
+        "exposed_holes": None
+        if report.exposed_holes is None
+        else fine_percent(report.exposed_holes),
     }

@@ -6,7 +6,6 @@ import json
 import re
 from collections.abc import Callable, Sequence
 from functools import cache
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ import jinja2
 from markupsafe import Markup, escape
 
 from oodscen._arguments import checked
+from oodscen._files import bundled
 from oodscen.errors import FolderTaken
 from oodscen.judging._leaderboard.requirements import Bar
 from oodscen.judging._leaderboard.rows import Estimate, Rate
@@ -115,7 +115,7 @@ def _breakable(name: str) -> Markup:
 
 
 def _source(name: str) -> str:
-    return (resources.files("oodscen.report") / name).read_text(encoding="utf-8")
+    return bundled(name, "oodscen.report")
 
 
 def _hash(source: str) -> str:

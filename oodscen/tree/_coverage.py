@@ -4,7 +4,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, ClassVar, Literal, TypeVar
 
-from oodscen._display import percent
+from oodscen._decimals import fine_percent
 from oodscen.data._base import Data
 from oodscen.data._episode import Episode
 from oodscen.data._pairing import scene_of
@@ -100,7 +100,7 @@ class Coverage(Data):
             unknown = sum(row.exposure is None for row in self.holes)
             others = f"; {unknown} more cannot be told" if unknown else ""
             lines.append(
-                f"leaves with holes: {percent(self.exposed_holes)} of what a driver would meet{others}"
+                f"leaves with holes: {fine_percent(self.exposed_holes)} of what a driver would meet{others}"
             )
         if self.elsewhere:
             lines.append(f"{self.elsewhere} texts, scenes and episodes belong to no leaf")

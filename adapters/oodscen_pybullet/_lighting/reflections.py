@@ -50,9 +50,10 @@ def add_reflections(
     """Reflect objects and the sky in wet ground.
 
     Every column is mirrored at one of its rows. Water is mirrored at its bank: the nearest row above that is neither
-    water nor open ground. Wet asphalt is mirrored at the foot of what stands behind it, or at the horizon, and never shows other ground. What
-    is nearer than the asphalt casts no reflection on it; the next thing above takes its place. Asphalt smears its
-    reflections into streaks, and water keeps them sharp. Columns with nothing to mirror stay as they are.
+    water nor open ground. Wet asphalt is mirrored at the foot of what stands behind it, or at the horizon, and never
+    shows other ground. What is nearer than the asphalt casts no reflection on it; the next thing above takes its
+    place. Asphalt smears its reflections into streaks, and water keeps them sharp. Columns with nothing to mirror
+    stay as they are.
 
     Args:
         image: [height, width, 3], changed in place.

@@ -4,16 +4,14 @@ import re
 import tomllib
 from collections.abc import Iterable
 from functools import cache
-from importlib import resources
 from typing import Any, NamedTuple
 
+from oodscen._files import bundled
 from oodscen._text import AMERICAN
 from oodscen.author._reading.numbers import COUNT, NUMBER
 from oodscen.data._claim import Kind
 
-_TABLE: dict[str, Any] = tomllib.loads(
-    resources.files("oodscen.author._reading").joinpath("phrases.toml").read_text(encoding="utf-8")
-)
+_TABLE: dict[str, Any] = tomllib.loads(bundled("phrases.toml", "oodscen.author._reading"))
 _ANY_EGO = (
     r"(?:(?:(?:the|an|your|its) )?(?:(?:user-controlled )?ego(?:[- ](?:vehicle|car|motorcycle|driver))?"
     r"|hero vehicle|autonomous vehicle|automated vehicle|self-driving car|own vehicle)|(?:me|us)(?![\w-]))"

@@ -5,9 +5,9 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
 from typing import Any, Literal, get_args
 
+from oodscen._files import bundled
 from oodscen._wording import is_left_out
 
 Kind = Literal["odd", "ordinary", "state", "act", "place", "aside"]
@@ -63,8 +63,7 @@ def unseen_concepts() -> frozenset[str]:
 
 @cache
 def _table() -> dict[str, dict[str, Any]]:
-    source = resources.files("oodscen.judging._aspects").joinpath("concepts.toml")
-    return tomllib.loads(source.read_text(encoding="utf-8"))
+    return tomllib.loads(bundled("concepts.toml", "oodscen.judging._aspects"))
 
 
 @cache

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterable, Mapping
 from functools import cache
-from importlib import resources
 from typing import Any
 
+from oodscen._files import bundled
 from oodscen.data._base import Data
 from oodscen.judging._aspects.opinions import Opinion, opinion_id
 
@@ -22,8 +22,7 @@ class LabelledAnswer(Data):
 @cache
 def labelled_answers() -> tuple[LabelledAnswer, ...]:
     """Return the shipped answers."""
-    source = resources.files("oodscen.judging._aspects").joinpath("labelled.jsonl")
-    lines = source.read_text(encoding="utf-8").splitlines()
+    lines = bundled("labelled.jsonl", "oodscen.judging._aspects").splitlines()
     return tuple(LabelledAnswer.model_validate_json(line) for line in lines)
 
 

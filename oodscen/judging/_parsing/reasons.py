@@ -3,8 +3,8 @@
 import re
 import tomllib
 from collections.abc import Sequence
-from importlib import resources
 
+from oodscen._files import bundled
 from oodscen.judging._parsing.marking import GERUND, OPTION, number
 from oodscen.judging._parsing.stating import CRASH
 
@@ -51,8 +51,8 @@ def _kind(letter: str, words: Sequence[str]) -> str:
     return rf"(?P<{letter}>(?:{pattern})(?!(?<=\w)[\w']))"
 
 
-_TABLE = resources.files("oodscen.judging._parsing").joinpath("reasons.toml").read_text("utf-8")
-_WORD = re.compile("|".join(_kind(**kind) for kind in tomllib.loads(_TABLE)["kind"]))
+_TABLE = tomllib.loads(bundled("reasons.toml", "oodscen.judging._parsing"))
+_WORD = re.compile("|".join(_kind(**kind) for kind in _TABLE["kind"]))
 _GAP = "(?:[knu]|r[OPx])*"
 _CLAUSE = re.compile(
     "(?:^|(?<=([ecah])))(?=([iu])?)((?:[kgbnmiu]|[OP]r|nc[kx]{1,6}c){0,99})O(?(2)c?)"

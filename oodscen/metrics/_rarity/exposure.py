@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from oodscen._arguments import instances_of
-from oodscen._display import percent
+from oodscen._decimals import fine_percent
 from oodscen._seeding import stream
 from oodscen.data._base import Data
 from oodscen.data._issues import same_length
@@ -39,7 +39,7 @@ class Exposure(Data):
 
     def __str__(self) -> str:
         others = f"; {self.unknown} of {self.total} kinds cannot be told" if self.unknown else ""
-        share, low, high = map(percent, (self.share, self.low, self.high))
+        share, low, high = map(fine_percent, (self.share, self.low, self.high))
         return f"{share} of what a driver would meet ({low} to {high}{others})"
 
 

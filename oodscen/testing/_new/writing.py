@@ -3,12 +3,11 @@
 import keyword
 import re
 from collections.abc import Mapping
-from importlib.resources import files
 from pathlib import Path
 from shutil import rmtree
 
 from oodscen._entry_points import names
-from oodscen._files import check_name, writing
+from oodscen._files import bundled, check_name, writing
 from oodscen.errors import UsageError
 
 _NAME = re.compile(r"(?=.{1,41}$)[a-z][a-z0-9]*(_+[a-z0-9]+)*")
@@ -70,7 +69,7 @@ def write_adapter(name: str, folder: str | Path = ".") -> tuple[Path, ...]:
 
 def _write_file(path: Path, source: str, replacements: Mapping[str, str]) -> Path:
     """Write a copy of a file of this folder in which the example's names are replaced."""
-    text = files("oodscen.testing._new").joinpath(source).read_text("utf-8")
+    text = bundled(source, "oodscen.testing._new")
     names_of_example = "|".join(map(re.escape, replacements))
     text = re.sub(names_of_example, lambda match: replacements[match[0]], text)
     path.parent.mkdir(parents=True, exist_ok=True)
