@@ -16,7 +16,7 @@ from oodscen._cli.options import (
     things_encoder,
     things_option,
 )
-from oodscen._cli.output import say
+from oodscen._cli.output import if_stopped, say
 from oodscen._cli.paths import READABLE
 from oodscen._cli.progress import tracked
 from oodscen._files import read_utf8
@@ -66,23 +66,26 @@ def check_claims(
     model = make_llm(llm, seed=seed, api_base=api_base, log=ledger.add)
     catalogue = make_simulator(simulator).catalogue()
     measure = things_encoder(encoder)
-    rows: list[Faithfulness | Unjudged] = [*malformed]
-    lines = _distinct_scenes(scenes)
-    for number, scene in tracked(lines, "check-claims", len(lines), ledger):
+
+    def compared(number: int, scene: Scene | tuple[str, ...]) -> Faithfulness | Unjudged:
         if not isinstance(scene, Scene):
-            rows.append(Unjudged(id=f"{scenes.name}:{number}", faults=scene))
-            continue
+            return Unjudged(id=f"{scenes.name}:{number}", faults=scene)
         faults = [str(issue) for issue in scene.check(catalogue)]
         text = scene.demand.text if scene.demand else texts.get(scene.scenario_id)
         if text is None:
             faults.insert(0, f"{scenarios} has no text {scene.scenario_id!r}")
         if text is None or faults:
-            rows.append(Unjudged(id=scene.id, faults=tuple(faults)))
-            continue
+            return Unjudged(id=scene.id, faults=tuple(faults))
         try:
-            rows.append(compare_text(model, text, scene, catalogue, encoder=measure))
+            return compare_text(model, text, scene, catalogue, encoder=measure)
         except (AnswerError, LLMError) as error:
-            rows.append(Unjudged(id=scene.id, faults=(str(error),)))
+            return Unjudged(id=scene.id, faults=(str(error),))
+
+    rows: list[Faithfulness | Unjudged] = [*malformed]
+    lines = _distinct_scenes(scenes)
+    with if_stopped(rows, lambda: _print(rows, as_json=as_json)):
+        for number, scene in tracked(lines, "check-claims", len(lines), ledger):
+            rows.append(compared(number, scene))
     sys.exit(bool(_print(rows, as_json=as_json)))
 
 

@@ -89,7 +89,7 @@ def write_lines(out: Path | None, items: Iterable[Data]) -> None:
 
 
 @contextmanager
-def if_stopped(finished: Collection[object], save: Callable[[], None]) -> Iterator[None]:
+def if_stopped(finished: Collection[object], save: Callable[[], object]) -> Iterator[None]:
     """Save what is finished, if anything, when an error or an interruption ends the work early."""
     try:
         yield

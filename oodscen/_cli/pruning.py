@@ -1,6 +1,7 @@
 """The command that prunes a tree for one simulator, or compares several."""
 
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,7 @@ from oodscen._cli.options import (
     seed_option,
     simulator_option,
 )
-from oodscen._cli.output import say, write, write_lines
+from oodscen._cli.output import if_stopped, say, write, write_lines
 from oodscen._cli.paths import READABLE, FileCommand, OutputName
 from oodscen._cli.progress import tracked
 from oodscen.errors import UsageError
@@ -69,7 +70,8 @@ def prune(
     Writes the simulatable tree, and a summary to standard error. Branches that need substitute assets are kept
     unless --exact is given; `oodscen run` always drops them. With several --catalogue options, writes a
     comparison of the catalogues instead, as a table or with --json as JSON. Branches that the model did not
-    judge are reported on standard error and dropped; the exit code is then 1.
+    judge are reported on standard error and dropped; the exit code is then 1. Stopped early, it writes the decisions
+    made so far, and no tree.
     """
     from oodscen import ScenarioTree, make_llm
     from oodscen._registry import make_catalogue
@@ -96,13 +98,22 @@ def prune(
             raise UsageError(
                 "--decisions and --restore need a single catalogue; for several, use --json"
             )
-        judged = {name: _judged(model, one, grown, exact, ledger) for name, one in offered.items()}
+        judged = {
+            name: list(_judged(model, one, grown, exact, ledger)) for name, one in offered.items()
+        }
         comparison = compare(grown, offered, judged)
         words = comparison.model_dump_json(indent=2) if as_json else str(comparison)
         say(words) if out is None else write(out, words)
         sys.exit(any(tally.failed for tally in comparison.tallies))
     ((name, catalogue),) = offered.items()
-    answers = _judged(model, catalogue, grown, exact, ledger)
+    answers: list[PruneDecision] = []
+
+    def save() -> None:
+        if decisions is not None:
+            write_lines(decisions, answers)
+
+    with if_stopped(answers, save):
+        answers.extend(_judged(model, catalogue, grown, exact, ledger))
     if decisions is not None:
         write_lines(decisions, all_decisions(grown, answers))
     if restore is not None:
@@ -115,15 +126,14 @@ def prune(
 
 def _judged(
     model: "LLM", catalogue: "Catalogue", tree: "ScenarioTree", exact: bool, ledger: "Ledger"
-) -> "list[PruneDecision]":
+) -> "Iterator[PruneDecision]":
+    """Yield the decision on every leaf as it is made, and report those that failed."""
     from oodscen import Pruner
 
     pruner = Pruner(model, catalogue, substitutes=not exact)
-    judged = []
     for decision in tracked(
         pruner.decisions(tree), f"prune {pruner.name}", len(tree.leaves), ledger
     ):
-        judged.append(decision)
         if decision.status == "failed":
             say(f"{decision.id}: {decision.error}", err=True)
-    return judged
+        yield decision

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from oodscen import make_encoder
 from oodscen._cli import main
+from oodscen.claims import _faithfulness
 from oodscen.claims._faithfulness import Faithfulness
 from oodscen.data._scenario import Scenario
 from oodscen.testing._scenes import example_scene
@@ -16,9 +17,10 @@ from oodscen.testing._scenes import example_scene
 TEXT = "A cardboard box stands in the ego's lane ahead on a two-lane residential street."
 
 
-def call(folder, scene, text, *options):
+def call(folder, scene, text, *options, more=()):
     scenario = Scenario(id=scene.scenario_id, text=text, leaf="box", path=("OOD", "Box"))
-    (folder / "scenes.jsonl").write_text(scene.to_json() + "\n")
+    lines = [one.to_json() + "\n" for one in (scene, *more)]
+    (folder / "scenes.jsonl").write_text("".join(lines))
     (folder / "texts.jsonl").write_text(scenario.to_json() + "\n")
     files = (str(folder / "scenes.jsonl"), "--scenarios", str(folder / "texts.jsonl"))
     simulator = ("--simulator", "oodscen.testing._flat:FlatSimulator")
@@ -42,6 +44,20 @@ def test_a_contradiction_is_named(tmp_path, option):
         statuses = {f["claim"]["value"]: f["status"] for f in found["scenes"][0]["findings"]}
         assert statuses["night"] == "fails"
         assert statuses["in_lane"] == "holds"
+
+
+def test_scenes_compared_before_an_interruption_are_reported(tmp_path, monkeypatch):
+    def interrupted(*arguments, compare=_faithfulness.compare_text, **options):
+        if arguments[2].id == "later":
+            raise KeyboardInterrupt
+        return compare(*arguments, **options)
+
+    monkeypatch.setattr(_faithfulness, "compare_text", interrupted)
+    later = example_scene().model_copy(update={"id": "later"})
+    done = call(tmp_path, example_scene(), f"At night, {TEXT}", more=[later])
+    assert done.exit_code != 0
+    assert "night" in done.output
+    assert "1 scenes, " in done.output
 
 
 def test_a_scene_that_cannot_be_staged_is_said_to_be(tmp_path):

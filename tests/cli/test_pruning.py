@@ -5,7 +5,7 @@ import json
 import pytest
 from click.testing import CliRunner
 
-from oodscen import ScenarioTree, TreeGrower
+from oodscen import Pruner, ScenarioTree, TreeGrower
 from oodscen._cli import main
 from oodscen._registry import make_catalogue
 from oodscen.author._builtin import BuiltinAuthor
@@ -57,6 +57,24 @@ def test_decisions_and_the_way_back_are_files(tree, tmp_path):
     kept = {decision.id for decision in decisions if decision.keep}
     assert kept == set(ScenarioTree.load(out).by_id)
     assert Restoration.load(back).dropped > 0
+
+
+def test_decisions_made_before_an_interruption_are_kept(tree, tmp_path, monkeypatch):
+    made = []
+
+    def interrupted(self, *arguments, real=Pruner.decisions):
+        for decision in real(self, *arguments):
+            if len(made) == 3:
+                raise KeyboardInterrupt
+            made.append(decision)
+            yield decision
+
+    monkeypatch.setattr(Pruner, "decisions", interrupted)
+    told, out = tmp_path / "told.jsonl", tmp_path / "out.json"
+    result = call("prune", tree, "--catalogue", "flat", "--decisions", told, "-o", out)
+    assert result.exit_code != 0
+    assert [PruneDecision.parse(line) for line in told.read_text().splitlines()] == made
+    assert not out.exists()
 
 
 @pytest.mark.parametrize("name", ["carla-0.9.1", "nowhere.json"])
