@@ -146,7 +146,13 @@ class BuiltinAuthor(Brief):
         for number in range(prompt.count):
             deck = decks[number % len(decks)]
             hazard = deck[(number // len(decks)) % len(deck)]
-            texts.append(next(self._composer.texts(hazard, rng, taken)))
+            text = next(self._composer.texts(hazard, rng, taken), None)
+            if text is None:
+                raise LLMError(
+                    f"the built-in author runs out of different examples after {number} of {prompt.count}",
+                    model=self.name,
+                )
+            texts.append(text)
         return Examples(examples=texts)
 
     def _deck(self, class_name: str, shown: set[str], rng: np.random.Generator) -> list[HazardKind]:

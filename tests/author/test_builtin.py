@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from oodscen._text import folded_words
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.author._knowledge.base import Knowledge
+from oodscen.author._writing.compose import Composer
 from oodscen.errors import LLMError
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._judging.describe_frame import DescribeFrame
@@ -40,6 +41,13 @@ def test_examples_are_distinct_and_of_both_classes(ask, count: int, seed: int) -
     assert [item.scenario_class for item in sorted_out.examples] == [h.class_name for h in hazards]
     if count > 1:
         assert len({hazard.class_name for hazard in hazards}) == 2
+
+
+def test_examples_that_run_out_are_told_of(monkeypatch):
+    monkeypatch.setattr(Composer, "texts", lambda *arguments: iter(()))
+    asked = Request(GiveExamples(shown=(), count=3))
+    with pytest.raises(LLMError, match="after 0 of 3"):
+        BuiltinAuthor().complete(asked)
 
 
 def test_unknown_examples_are_classified_by_their_words(author: BuiltinAuthor, ask) -> None:
