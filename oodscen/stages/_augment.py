@@ -26,7 +26,7 @@ from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._fitting import fitted
 from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene
 from oodscen.protocols import LLM, Encoder
-from oodscen.stages._hazard_words import visible_of, visible_of_map
+from oodscen.stages._hazard_words import visible_of
 
 
 class Augmenter(Brief):
@@ -192,16 +192,16 @@ def _issues_by_cause(contradicted: Sequence[Mismatch], scene: Scene) -> list[Iss
             mismatch
         )
     issues: list[Issue] = []
+    honest = " (if no honest scene can show it, say so in `cannot_show`)"
     for (path, subject, found), group in causes.items():
         statements = "; ".join(
             str(mismatch.claim).removeprefix(f"{subject}: ") for mismatch in group
         )
         about = f"{subject}: " if subject else ""
-        hint = ""
         if subject and path == "actors" and subject not in scene.stands_for:
             hint = "; if one of the actors shows it, say which in `stands_for`"
-        elif not issues:
-            hint = " (if no honest scene can show it, say so in `cannot_show`)"
+        else:
+            hint, honest = honest, ""
         issues.append(Issue(path, f"the text says {about}{statements}, but {found}{hint}"))
     return issues
 
@@ -220,7 +220,7 @@ def scene_of_draft(
     ordinary = [actor for actor in draft.hazard.actors.values() if actor is not None]
     assets = {actor.asset for actor in (*draft.actors, *ordinary)}
     behaviours = {actor.behaviour.name for actor in (*draft.actors, *ordinary)}
-    return Scene(
+    scene = Scene(
         id=scenario.id,
         scenario_id=scenario.id,
         map=draft.map,
@@ -230,18 +230,6 @@ def scene_of_draft(
         hazard=draft.hazard,
         decision=_decision_of(draft),
         horizon_s=draft.horizon_s,
-        visible=(
-            *visible_of(
-                tuple(draft.actors),
-                draft.hazard,
-                draft.weather,
-                draft.ego,
-                draft.map,
-                catalogue,
-                {motion.id: motion.description for motion in motions},
-            ),
-            *visible_of_map(draft.map_state),
-        ),
         stands_for={
             thing: tuple(names)
             for thing, names in draft.stands_for.items()
@@ -251,6 +239,7 @@ def scene_of_draft(
         motions=tuple(motion for motion in motions if motion.id in behaviours),
         map_state=draft.map_state,
     )
+    return scene.model_copy(update={"visible": visible_of(scene, catalogue)})
 
 
 def _decision_of(draft: SceneDraft) -> Trigger:

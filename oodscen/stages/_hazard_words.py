@@ -10,14 +10,14 @@ from oodscen._text import one_line
 from oodscen.claims._surroundings import HEAVY_RAIN, HEAVY_SNOW
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue
 from oodscen.data._details import DetailKinds, described
-from oodscen.data._map_state import MapPart, MapState
+from oodscen.data._map_state import MapPart
 from oodscen.data._scene import (
     DARK_DEG,
     FOG_M,
     Actor,
     Ego,
-    Hazard,
     Placement,
+    Scene,
     Visible,
     Weather,
 )
@@ -82,26 +82,16 @@ _SIGNALS = {
 """States of signals and gates, in words."""
 
 
-def visible_of(
-    actors: tuple[Actor, ...],
-    hazard: Hazard,
-    weather: Weather,
-    ego: Ego,
-    map_id: str,
-    catalogue: Catalogue,
-    motions: Mapping[str, str] = MappingProxyType({}),
-) -> tuple[Visible, ...]:
-    """Return everything that can be seen of a hazard; equal things are named once.
-
-    `motions` has the looks of motions made to order, by id.
-    """
+def visible_of(scene: Scene, catalogue: Catalogue) -> tuple[Visible, ...]:
+    """Return everything that can be seen of a scene's hazard and its map's faults; equal things are named once."""
+    hazard = scene.hazard
     setting = _Setting(
         {asset.id: asset for asset in catalogue.assets},
         {kind.id: kind for kind in catalogue.behaviours},
         catalogue.details or DetailKinds(),
-        motions,
-        _Lanes.seen_by(ego, map_id, catalogue),
-        ego.speed,
+        {motion.id: motion.description for motion in scene.motions},
+        _Lanes.seen_by(scene.ego, scene.map, catalogue),
+        scene.ego.speed,
     )
     visibles = [
         Visible(
@@ -109,25 +99,20 @@ def visible_of(
             where=_where(actor.placement, setting.lanes),
             doing=_doing(actor, setting),
         )
-        for actor in actors
+        for actor in scene.actors
         if actor.id in hazard.actors and actor.asset in setting.assets
     ]
     if hazard.weather is not None:
         visibles += [
             Visible(what=phenomenon, where="everywhere")
-            for phenomenon in _phenomena(weather, hazard.weather)
+            for phenomenon in _phenomena(scene.weather, hazard.weather)
+        ]
+    if scene.map_state is not None:
+        visibles += [
+            Visible(what=f"{_FAULTS[fault]} {_PARTS[part]}", where="along the road")
+            for part, fault in scene.map_state.faults()
         ]
     return tuple(dict.fromkeys(visibles))
-
-
-def visible_of_map(state: MapState | None) -> tuple[Visible, ...]:
-    """Return everything that can be seen of a map that is out of order."""
-    if state is None:
-        return ()
-    return tuple(
-        Visible(what=f"{_FAULTS[fault]} {_PARTS[part]}", where="along the road")
-        for part, fault in state.faults()
-    )
 
 
 class _Lanes(NamedTuple):

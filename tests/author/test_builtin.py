@@ -43,11 +43,10 @@ def test_examples_are_distinct_and_of_both_classes(ask, count: int, seed: int) -
         assert len({hazard.class_name for hazard in hazards}) == 2
 
 
-def test_examples_that_run_out_are_told_of(monkeypatch):
+def test_examples_that_run_out_are_told_of(monkeypatch, ask):
     monkeypatch.setattr(Composer, "texts", lambda *arguments: iter(()))
-    asked = Request(GiveExamples(shown=(), count=3))
     with pytest.raises(LLMError, match="after 0 of 3"):
-        BuiltinAuthor().complete(asked)
+        ask(BuiltinAuthor(), GiveExamples(shown=(), count=3))
 
 
 def test_unknown_examples_are_classified_by_their_words(author: BuiltinAuthor, ask) -> None:

@@ -167,6 +167,20 @@ def test_claims_that_fail_for_one_reason_are_one_line():
     assert "`stands_for`" in faults[0]
 
 
+def test_the_way_out_is_told_beside_a_fault_that_names_another():
+    night = {"kind": "time", "value": "night", "subject": "", "quote": "at night"}
+    wrong = draft(actors=[{**draft()["actors"][0], "asset": "sofa"}])
+    for claims in ([CLAIMS["claims"][0], night], [night, CLAIMS["claims"][0]]):
+        llm = ScriptedLLM([{"claims": claims}, wrong, {"cannot_show": "it is day"}])
+        with pytest.raises(AnswerError):
+            Augmenter(llm, CATALOGUE).run(SCENARIO)
+        told = llm.requests[2].messages[-1].text
+        faults = [line for line in told.splitlines() if line[:2] == "- "]
+        assert ["`cannot_show`" in fault for fault in faults] == [
+            "night" in fault for fault in faults
+        ]
+
+
 def test_a_text_that_cannot_be_shown_ends_the_attempts():
     llm = ScriptedLLM([CLAIMS, {"cannot_show": "there are no boxes"}, draft()])
     with pytest.raises(AnswerError, match="there are no boxes") as caught:

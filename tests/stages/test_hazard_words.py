@@ -16,19 +16,18 @@ from oodscen.testing._scenes import example_scene
 from tests.mirrors import mirrored_map, swapped
 
 
+def told_of(catalogue=None, **changes):
+    """Return what is told of the example scene after changes."""
+    scene = example_scene().model_copy(update=changes)
+    return visible_of(scene, catalogue or FlatSimulator().catalogue())
+
+
 def seen(map=None, ego=None, **changes):
     scene = example_scene()
     (box,) = scene.actors
     place = box.placement.model_copy(update=changes)
     actors = (box.model_copy(update={"placement": place}),)
-    return visible_of(
-        actors,
-        scene.hazard,
-        scene.weather,
-        ego or scene.ego,
-        map or scene.map,
-        FlatSimulator().catalogue(),
-    )
+    return told_of(actors=actors, ego=ego or scene.ego, map=map or scene.map)
 
 
 def told(catalogue=None, *, asset="car", speed=8.0, state="", details=None, **behaviour):
@@ -47,9 +46,7 @@ def told(catalogue=None, *, asset="car", speed=8.0, state="", details=None, **be
         }
     )
     ego = scene.ego.model_copy(update={"speed": speed})
-    (one,) = visible_of(
-        (actor,), scene.hazard, scene.weather, ego, scene.map, catalogue or load_catalogue()
-    )
+    (one,) = told_of(catalogue or load_catalogue(), actors=(actor,), ego=ego)
     return one
 
 
@@ -134,9 +131,7 @@ def test_a_long_description_ends_with_a_whole_word():
 def test_weather_is_told_by_its_strength(words, weather):
     scene = example_scene()
     hazard = scene.hazard.model_copy(update={"weather": Weather()})
-    (one,) = visible_of(
-        (), hazard, Weather(**weather), scene.ego, scene.map, FlatSimulator().catalogue()
-    )
+    (one,) = told_of(actors=(), hazard=hazard, weather=Weather(**weather))
     assert (one.what, one.where) == (words, "everywhere")
 
 
@@ -144,10 +139,9 @@ def test_weather_is_told_by_its_strength(words, weather):
     ("ordinary_deg", "sun_deg", "words"), [(DARK_DEG, -20.0, "darkness"), (12.0, 3.0, "low sun")]
 )
 def test_light_is_told_from_the_last_ordinary_elevation_on(ordinary_deg, sun_deg, words):
-    scene = example_scene()
     hazard = Hazard(weather=Weather(sun_elevation_deg=ordinary_deg))
     weather = Weather(sun_elevation_deg=sun_deg)
-    (one,) = visible_of((), hazard, weather, scene.ego, scene.map, FlatSimulator().catalogue())
+    (one,) = told_of(actors=(), hazard=hazard, weather=weather)
     assert one.what == words
 
 
@@ -155,7 +149,7 @@ def test_snow_in_place_of_rain_is_told():
     scene = example_scene()
     rain, snow = (Weather(precipitation=form, precipitation_mm_h=2.0) for form in ("rain", "snow"))
     hazard = scene.hazard.model_copy(update={"weather": rain})
-    (one,) = visible_of((), hazard, snow, scene.ego, scene.map, FlatSimulator().catalogue())
+    (one,) = told_of(actors=(), hazard=hazard, weather=snow)
     assert one.what == "snow"
 
 
@@ -221,7 +215,7 @@ def test_poses_are_told_as_what_somebody_does_and_parts_as_what_is_seen():
             Actor.parse({**actor.model_dump(), "asset": asset, "details": details})
             for actor in scene.actors
         )
-        told += visible_of(actors, scene.hazard, scene.weather, scene.ego, scene.map, catalogue)
+        told += told_of(catalogue, actors=actors)
     assert [(one.what, one.doing) for one in told] == [
         (
             "adult on foot, holding an orange traffic cone with white bands",
@@ -286,9 +280,7 @@ def test_motions_are_told_as_the_ego_sees_them(move, lane):
     else:
         side = "right" if left > 0.0 else "left"
         right = {f"{doing} from the {side}" for doing in ("crossing", "running across")}
-    (told,) = visible_of(
-        scene.actors, scene.hazard, scene.weather, scene.ego, scene.map, simulator.catalogue()
-    )
+    (told,) = visible_of(scene, simulator.catalogue())
     assert told.doing in right
 
 
@@ -311,10 +303,7 @@ def test_a_driver_is_slow_at_the_speed_at_which_it_drives(ahead_m, parameters, d
             "behaviour": Behaviour(name="follow_lane", parameters=parameters),
         }
     )
-    catalogue = FlatSimulator().catalogue()
-    (told,) = visible_of(
-        (driver,), scene.hazard, scene.weather, Ego(speed=25.0), scene.map, catalogue
-    )
+    (told,) = told_of(actors=(driver,), ego=Ego(speed=25.0))
     assert told.doing == doing
 
 
@@ -329,10 +318,8 @@ def test_a_driver_is_slow_at_the_speed_at_which_it_drives(ahead_m, parameters, d
     ],
 )
 def test_a_low_sun_is_told_only_where_it_shines(weather, told):
-    scene = example_scene()
     hazard = Hazard(weather=Weather())
-    catalogue = FlatSimulator().catalogue()
-    seen_of_it = visible_of((), hazard, weather, scene.ego, scene.map, catalogue)
+    seen_of_it = told_of(actors=(), hazard=hazard, weather=weather)
     assert [one.what for one in seen_of_it] == [told]
 
 
@@ -344,5 +331,5 @@ def test_descriptions_of_an_own_catalogue_are_told_in_one_line(description, what
     scene, catalogue = example_scene(), FlatSimulator().catalogue()
     box = catalogue.asset("cardboard_box").model_copy(update={"description": description})
     own = catalogue.model_copy(update={"assets": (box,)})
-    (told,) = visible_of(scene.actors, scene.hazard, scene.weather, scene.ego, scene.map, own)
+    (told,) = visible_of(scene, own)
     assert told.what == what
