@@ -34,18 +34,18 @@ def behaviour(
         name = _ordinary(asset, speed, is_against)
         if name == "stand" and speed >= STANDING_MPS:
             entity.note(f"its first speed, {speed:g} m/s, is left out: a {asset.category} stands")
-        return _bounded(entity, name, {"speed": speed}, AT_ONCE, catalogue), None
+        return _possible(entity, asset, catalogue, name, {"speed": speed}, AT_ONCE), None
     if is_driver and not _waits(asset, action, speed):
         name, parameters = _driving(action, speed)
     else:
         name, parameters = _walking(action, speed)
-    if asset.category not in catalogue.behaviour(name).categories:
-        action.node.note(f"a {asset.category} cannot {name}: this is left out")
-        return Behaviour(name="stand"), None
+    trigger = AT_ONCE if name == "run_red" else action.trigger
+    does = _possible(action.node, asset, catalogue, name, parameters, trigger)
+    if does.name != name:
+        return does, None
     if speed >= STANDING_MPS and not is_driver and action.trigger != AT_ONCE:
         action.node.note(f"its first speed, {speed:g} m/s, is left out: it stands until this")
-    trigger = AT_ONCE if name == "run_red" else action.trigger
-    return _bounded(action.node, name, parameters, trigger, catalogue), action.heading
+    return does, action.heading
 
 
 def _main_action(actions: list[Action], *, is_driver: bool) -> Action | None:
@@ -62,11 +62,23 @@ def _main_action(actions: list[Action], *, is_driver: bool) -> Action | None:
     return main
 
 
-def _bounded(
-    node: Element, name: str, parameters: dict[str, float], trigger: Trigger, catalogue: Catalogue
+def _possible(
+    node: Element,
+    asset: Asset,
+    catalogue: Catalogue,
+    name: str,
+    parameters: dict[str, float],
+    trigger: Trigger,
 ) -> Behaviour:
-    """Return a behaviour with those of some parameters that it has, within their limits."""
-    limits = catalogue.behaviour(name).parameters
+    """Return a behaviour with those of some parameters that it has, within their limits.
+
+    In its place an asset that cannot behave so stands.
+    """
+    kind = next((kind for kind in catalogue.behaviours if kind.id == name), None)
+    if kind is None or asset.category not in kind.categories:
+        node.note(f"a {asset.category} cannot {name}: this is left out")
+        return Behaviour(name="stand")
+    limits = kind.parameters
     bounded = {
         key: round(node.bounded(value, limits[key].minimum, limits[key].maximum, f"a {key} of"), 3)
         for key, value in parameters.items()

@@ -75,11 +75,12 @@ def _hazards_by_model(
     from oodscen.prompts._scenario.mark_hazard import ActorLine, MarkHazard
 
     title = f"{tree.path.stem}. {tree.header().get('description')}"
+    described = {kind.id: kind.description for kind in catalogue.behaviours}
     lines = tuple(
         ActorLine(
             id=actor.id,
             what=catalogue.asset(actor.asset).description,
-            does=f"{actor.behaviour.name}: {catalogue.behaviour(actor.behaviour.name).description}",
+            does=f"{actor.behaviour.name}: {described.get(actor.behaviour.name, '')}",
             ahead_m=actor.placement.ahead_m,
             left_m=actor.placement.offset_m + LANE_M * actor.placement.lane,
         )

@@ -71,7 +71,7 @@ def read_openscenario(
                 f"{path} is an unchanged export, which gives back its scene with its own map, hazard and ego: name "
                 "none of them, or change them in the scene"
             )
-        return ImportedScene(exported)
+        return ImportedScene(exported, tuple(staging_issues(exported, catalogue)))
     scene = assembled_scene(tree, catalogue, road, hazards, ego, llm)
     issues = [*tree.omissions, *leftovers(tree), *staging_issues(scene, catalogue)]
     return ImportedScene(scene, tuple(issues))

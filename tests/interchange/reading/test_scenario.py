@@ -337,6 +337,24 @@ def test_a_model_names_the_hazard_that_nobody_named(tmp_path):
     assert set(builtin.scene.hazard.actors) <= set(actors)
 
 
+@given(known=st.sets(st.sampled_from(["stand", "follow_lane", "hard_brake", "cross_road"])))
+@IN_FOLDER
+def test_a_catalogue_may_lack_any_behaviour(known, tmp_path):
+    behaviours = tuple(kind for kind in catalogue().behaviours if kind.id in known)
+    own = catalogue().model_copy(update={"behaviours": behaviours})
+    found = read_openscenario(foreign_crowd(tmp_path), own, llm=make_llm("builtin"))
+    assert {actor.behaviour.name for actor in found.scene.actors} <= known | {"stand"}
+    told = [issue.message for issue in found.omissions]
+    assert ("unknown behaviour 'stand'" in " ".join(told)) == ("stand" not in known)
+
+
+def test_an_export_is_told_to_lack_what_a_catalogue_lacks(tmp_path):
+    path = to_openscenario(SCENES[0], catalogue()).save(tmp_path)
+    found = read_openscenario(path, catalogue().model_copy(update={"assets": ()}))
+    assert found.scene == SCENES[0]
+    assert any("unknown asset" in issue.message for issue in found.omissions)
+
+
 def test_a_model_without_a_usable_answer_is_an_error(tmp_path):
     model = ScriptedLLM(["no idea"] * 5)
     with pytest.raises(AnswerError):
