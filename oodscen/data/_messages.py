@@ -4,7 +4,7 @@ import hashlib
 from pathlib import Path
 from typing import Literal, Self
 
-from pydantic import Field
+from pydantic import Field, PrivateAttr
 
 from oodscen._files import read_bytes
 from oodscen._picture_size import picture_size
@@ -15,7 +15,7 @@ _ENDS = (b"\xff\xd9", b"IEND\xaeB`\x82")
 
 
 class Image(Data):
-    """A named picture, whose bytes are loaded when a client sends it."""
+    """A named picture; the bytes of one in a file are loaded when a client sends it."""
 
     name: str
     """The picture's name in the study, e.g. `frames/x-003/first.jpg`."""
@@ -23,6 +23,8 @@ class Image(Data):
     """SHA-256 of the encoded bytes."""
     path: Path | None = Field(default=None, exclude=True, repr=False)
     """File that holds the bytes; not part of the image's identity."""
+    _content: bytes | None = PrivateAttr(default=None)
+    """The bytes, if no file holds them."""
 
     @classmethod
     def from_file(cls, path: Path, name: str = "") -> Self:
@@ -30,6 +32,13 @@ class Image(Data):
         return cls(
             name=name or path.name, sha256=hashlib.sha256(read_bytes(path)).hexdigest(), path=path
         )
+
+    @classmethod
+    def from_bytes(cls, data: bytes, name: str) -> Self:
+        """Create an image of the bytes of a JPEG or PNG, which need not be in a file."""
+        image = cls(name=name, sha256=hashlib.sha256(data).hexdigest())
+        image._content = data
+        return image
 
     def fault(self, size: tuple[int, int] | None = None) -> str:
         """Return why the JPEG or PNG file on disk cannot be shown, or an empty string.
@@ -58,6 +67,8 @@ class Image(Data):
 
     def read(self) -> bytes:
         """Return the encoded bytes."""
+        if self._content is not None:
+            return self._content
         if self.path is None:
             raise FileNotFoundError(f"no file is known for the image {self.name}")
         return read_bytes(self.path)

@@ -7,11 +7,12 @@ from typing import Any, TypeVar
 from pydantic import BaseModel
 
 from oodscen._arguments import checked
+from oodscen._jpeg import to_jpeg
 from oodscen.data._episode import Episode
 from oodscen.data._messages import Image
 from oodscen.data._scene import Visible
 from oodscen.data._verdict import Protocol, Verdict, verdict_id, without_pictures
-from oodscen.errors import AnswerError, ContentFiltered, Issue, LLMError, OodscenError
+from oodscen.errors import AnswerError, ContentFiltered, Issue, LLMError, OodscenError, UsageError
 from oodscen.judging._parsing import read_description
 from oodscen.judging._questions import (
     ATTEMPTS,
@@ -30,7 +31,7 @@ from oodscen.llm._ask import ask
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._judging.describe_frame import DescribeFrame, FrameDescription
 from oodscen.prompts._judging.drive_facts import DriveFacts
-from oodscen.protocols import LLM
+from oodscen.protocols import LLM, Frame
 
 Answer = TypeVar("Answer", bound=BaseModel)
 Value = TypeVar("Value")
@@ -52,7 +53,7 @@ _DESCRIPTION_READER = AnswerReader(
 @checked
 def evaluate(
     episode: Episode,
-    frames: Mapping[str, Image],
+    frames: Mapping[str, Image | Frame],
     vlm: LLM,
     *,
     path: Sequence[str],
@@ -63,7 +64,7 @@ def evaluate(
     chain: bool = False,
     before: ShownDrive | None = None,
     visible: Sequence[Visible] = (),
-    rear: Image | None = None,
+    rear: Image | Frame | None = None,
     withheld: bool = False,
 ) -> Verdict:
     """Ask a model about one episode; a failure of the model is a verdict, not an exception.
@@ -77,7 +78,7 @@ def evaluate(
 
     Args:
         episode: The episode, with the outcome of every action. The ids of ordinary drives mark them.
-        frames: The images by moment.
+        frames: The frames by moment, as `simulate` returns them or as images in files; references need none.
         vlm: The model to judge. A `Reference` is asked directly.
         path: Labels from the root to the leaf: the ground truth of task one.
         leaf: Id of that leaf.
@@ -95,6 +96,10 @@ def evaluate(
         rear: The view from the rear window at the decision, shown after the frames; not in the paper's protocol.
         withheld: Ask the same questions without any picture, and say so in each; the verdict is that of
             `MODEL without pictures`. Neither in the paper's protocol nor for references.
+
+    Raises:
+        UsageError: If there is no frame to ask about.
+        MissingExtra: If frames are to be encoded, and OpenCV is not installed.
     """
     is_paper = protocol == "paper"
     if is_paper:
@@ -103,8 +108,12 @@ def evaluate(
     if takes_cases(vlm):
         case = Case(episode, key.path, leaf, options, episode.frames)
         return score_answers(key, answers_of_reference(vlm, case, protocol), judge)
+    if not frames:
+        raise UsageError("there is no frame to ask about")
     interview = _Interview(vlm, protocol, is_chain=is_paper or (chain and not withheld))
-    shown = ShownDrive.of(episode, frames, is_present=not is_paper, rear=rear)
+    images = {moment: _as_image(frame, episode, moment) for moment, frame in frames.items()}
+    behind = None if rear is None else _as_image(rear, episode, "rear")
+    shown = ShownDrive.of(episode, images, is_present=not is_paper, rear=behind)
     if withheld:
         shown = shown.without_pictures()
     if is_paper and before is None:
@@ -117,6 +126,13 @@ def evaluate(
         kind_of_answerer(vlm),
     )
     return score_answers(key, answers, judge)
+
+
+def _as_image(frame: Image | Frame, episode: Episode, moment: str) -> Image:
+    """Return a frame as a study stores and shows it."""
+    if isinstance(frame, Image):
+        return frame
+    return Image.from_bytes(to_jpeg(frame.rgb), f"frames/{episode.scene_id}/{moment}.jpg")
 
 
 def answers_of_reference(reference: Any, case: Case, protocol: Protocol) -> GivenAnswers:

@@ -11,7 +11,7 @@ from oodscen.data._claim import Claim
 from oodscen.data._map_state import MapState
 from oodscen.driving._sight.placement import check_scene
 from oodscen.errors import DataError
-from oodscen.stages._hazard_words import visible_of_map
+from oodscen.stages._hazard_words import visible_of
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 from oodscen.testing._scenes import example_scene
 
@@ -109,6 +109,8 @@ def test_claims_about_dark_lamps_and_missing_lights(catalogue):
 
 @given(st.sampled_from(FAULTS))
 def test_it_is_told_to_those_who_judge_answers(fault):
-    told = visible_of_map(MapState(signals=fault, signs="bent"))
+    state = MapState(signals=fault, signs="bent")
+    scene = example_scene().model_copy(update={"actors": (), "map_state": state})
+    told = visible_of(scene, FLAT_CATALOGUE)
     assert len(told) == 2
     assert "traffic lights" in told[0].what

@@ -1,6 +1,12 @@
 """Pictures are told apart by name and content, not by where their bytes happen to lie."""
 
+import pickle
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from oodscen.data._messages import Image
 
@@ -44,3 +50,14 @@ def test_a_picture_that_cannot_be_shown_says_why(tmp_path, data, fault):
     assert image.fault() == (f"a {fault}" if fault else "")
     (tmp_path / "a").unlink()
     assert image.fault() == "a: No such file or directory"
+
+
+@given(st.binary(max_size=40), st.text(min_size=1, max_size=9))
+def test_an_image_of_bytes_is_that_of_a_file_with_them(data, name):
+    held = Image.from_bytes(data, name)
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "picture"
+        file.write_bytes(data)
+        assert held == Image.from_file(file, name)
+    assert pickle.loads(pickle.dumps(held)).read() == held.model_copy().read() == data
+    assert held.model_dump().keys() == {"name", "sha256"}

@@ -6,16 +6,19 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from oodscen import evaluate
+from oodscen import evaluate, simulate
+from oodscen._jpeg import to_jpeg
 from oodscen.data._episode import ACTIONS, MOMENTS, ActionOutcome, Episode, Follower, moments
 from oodscen.data._messages import Image
 from oodscen.data._verdict import Verdict
-from oodscen.errors import ContentFiltered, LLMError, LLMTimeout, ModelSkipped
+from oodscen.errors import ContentFiltered, LLMError, LLMTimeout, ModelSkipped, UsageError
 from oodscen.judging._aspects.matching import names_aspect
 from oodscen.judging._constant_answerers import ConstantAnswerer, RandomAnswerer
 from oodscen.judging._questions import ShownDrive, aspect_options
 from oodscen.judging._references import AspectOption
 from oodscen.testing import ScriptedLLM
+from oodscen.testing._flat import FlatSimulator
+from oodscen.testing._scenes import example_scene
 
 PATH = ("OOD", "Environmental", "Overturned vehicles", "Overturned vehicle ahead")
 EPISODE = Episode(
@@ -42,6 +45,27 @@ def answers(aspect="an overturned truck", action="stop"):
         "name-aspect": {"reasoning": "", "is_ood": True, "aspect": aspect},
         "choose-action": {"reasoning": "", "action": action},
     }
+
+
+def test_frames_of_a_run_are_shown_as_a_study_stores_them():
+    with FlatSimulator() as simulator:
+        run = simulate(example_scene(), simulator)
+    llm = ScriptedLLM(answers())
+    rear = run.frames["first"]
+    assert evaluate(run.episode, run.frames, llm, path=PATH, rear=rear).status == "ok"
+    *shown, behind = llm.requests[0].messages[-1].images
+    assert [image.name for image in shown] == [f"frames/example-001/{name}.jpg" for name in MOMENTS]
+    assert [image.read() for image in shown] == [to_jpeg(run.frames[name].rgb) for name in MOMENTS]
+    assert (behind.name, behind.sha256) == ("frames/example-001/rear.jpg", shown[0].sha256)
+    assert not any(image.fault() for image in (*shown, behind))
+
+
+def test_a_model_is_not_asked_about_no_frame():
+    llm = ScriptedLLM(answers())
+    for withheld in (False, True):
+        with pytest.raises(UsageError, match="no frame"):
+            evaluate(EPISODE, {}, llm, path=PATH, withheld=withheld)
+    assert not llm.requests
 
 
 def test_both_tasks_are_scored(frames):

@@ -1,13 +1,10 @@
 """Showing things made to order to a vision model that does not know their names."""
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from oodscen._files import temporary_folder
 from oodscen._jpeg import to_jpeg
 from oodscen._text import one_line
 from oodscen.data._catalogue import Catalogue
@@ -48,12 +45,11 @@ class PropRecogniser:
             LLMError: When the model gives no valid answer.
         """
         labels = options(prop, self.catalogue)
-        with temporary_folder() as folder:
-            pictures = tuple(
-                _saved(Path(folder), f"{prop.id}-{distance:g}m.jpg", picture)
-                for distance, picture in zip(DISTANCES_M, shown.pictures, strict=False)
-            )
-            answer = ask(self.llm, RecogniseProp(pictures=pictures, labels=labels))
+        pictures = tuple(
+            Image.from_bytes(to_jpeg(picture), f"assets/{prop.id}-{distance:g}m.jpg")
+            for distance, picture in zip(DISTANCES_M, shown.pictures, strict=False)
+        )
+        answer = ask(self.llm, RecogniseProp(pictures=pictures, labels=labels))
         chosen = labels[answer.choice - 1]
         if chosen == prop.description:
             return ""
@@ -87,9 +83,3 @@ def _shuffled(items: Sequence[Item], rng: np.random.Generator) -> list[Item]:
 
 def _words(text: str) -> set[str]:
     return {word for word in text.casefold().replace("_", " ").split() if len(word) > 3}
-
-
-def _saved(folder: Path, name: str, picture: NDArray[np.uint8]) -> Image:
-    path = folder / name
-    path.write_bytes(to_jpeg(picture))
-    return Image.from_file(path, f"assets/{name}")
