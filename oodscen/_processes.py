@@ -102,20 +102,31 @@ class Processes(ThreadPoolExecutor):
 
     Args:
         count: Maximum number of processes; one is started whenever a call finds none idle.
+        limit_s: Seconds after which a call that still runs is killed with its process; `None` for no limit.
+        prepare: Called once in every process, before its first call; where it fails, the call fails.
+        prepare_limit_s: The time limit of `prepare`, which does not count towards the first call's.
 
     Raises:
         UsageError: Inside a worker process, if a module that it imports creates a pool.
     """
 
-    def __init__(self, count: int) -> None:
+    def __init__(
+        self,
+        count: int,
+        *,
+        limit_s: float | None = None,
+        prepare: Callable[[], object] | None = None,
+        prepare_limit_s: float | None = None,
+    ) -> None:
         if _is_worker:
             raise UsageError(
                 "a module that a worker process imports starts work with processes; put that work "
                 "under: if __name__ == '__main__':"
             )
         super().__init__(count)
-        self.limit_s: float | None = None
-        """Seconds after which a call that still runs is killed with its process; `None` for no limit."""
+        self._limit_s = limit_s
+        self._preparation = None if prepare is None else pickle.dumps(prepare)
+        self._prepare_limit_s = prepare_limit_s
         self._all: list[_Process] = []
         self._idle: list[_Process] = []
         self._starting = threading.Lock()
@@ -141,7 +152,7 @@ class Processes(ThreadPoolExecutor):
             process = self._idle.pop()
         except IndexError:
             process = self._start()
-        is_result, answer = process.call(data, self.limit_s)
+        is_result, answer = process.call(data, self._limit_s)
         self._idle.append(process)
         if not is_result:
             raise answer
@@ -155,6 +166,11 @@ class Processes(ThreadPoolExecutor):
             process = _Process()
             self._all.append(process)
         process.greet()
+        if self._preparation is not None:
+            is_prepared, answer = process.call(self._preparation, self._prepare_limit_s)
+            if not is_prepared:
+                process.join(0.0)
+                raise answer
         return process
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:

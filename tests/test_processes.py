@@ -9,6 +9,7 @@ import sys
 import time
 from concurrent.futures import BrokenExecutor
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -186,13 +187,36 @@ def test_what_a_call_prints_is_no_result(capfd):
 
 
 def test_a_call_that_takes_too_long_is_ended():
-    with Processes(1) as pool:
-        pool.limit_s = 0.5
+    with Processes(1, limit_s=0.5) as pool:
         endless = pool.submit(exec, "import signal; signal.pause()")
         with pytest.raises(BrokenExecutor, match=r"longer than 0\.5 s"):
             endless.result()
-        pool.limit_s = None
         assert pool.submit(operator.add, 1, 2).result() == 3
+
+
+def test_every_process_is_prepared_outside_the_limit_of_its_calls(tmp_path):
+    prepare = partial(
+        exec, f"import time; time.sleep(0.6); open({str(tmp_path / 'log')!r}, 'a').write('.')"
+    )
+    with Processes(2, limit_s=0.5, prepare=prepare) as pool:
+        sums = [pool.submit(operator.add, 1, n) for n in range(6)]
+        assert [one.result() for one in sums] == [*range(1, 7)]
+        with pytest.raises(BrokenExecutor, match="exit code 3"):
+            pool.submit(os._exit, 3).result()
+        assert pool.submit(operator.add, 1, 2).result() == 3
+    assert (tmp_path / "log").read_text() in ("..", "...")
+
+
+def test_a_preparation_that_fails_fails_every_call_alike():
+    with Processes(1, prepare=partial(operator.truediv, 1, 0)) as pool:
+        for _ in range(2):
+            with pytest.raises(ZeroDivisionError):
+                pool.submit(operator.add, 1, 2).result()
+    with (
+        Processes(1, prepare=partial(time.sleep, 60), prepare_limit_s=0.5) as pool,
+        pytest.raises(BrokenExecutor, match=r"longer than 0\.5 s"),
+    ):
+        pool.submit(operator.add, 1, 2).result()
 
 
 def test_an_interruption_that_a_call_raises_itself_is_its_own(pool):

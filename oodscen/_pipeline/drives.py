@@ -2,14 +2,14 @@
 
 import atexit
 from collections.abc import Iterator, Sequence
-from concurrent.futures import BrokenExecutor, as_completed
+from concurrent.futures import BrokenExecutor, Future, as_completed
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import product
 
 from oodscen._members import close, using
 from oodscen._pipeline.sweep import check_workers
-from oodscen._processes import Processes
+from oodscen._processes import Processes, is_worker
 from oodscen._registry import driver_maker, make_simulator
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import twin_id
@@ -56,8 +56,9 @@ def drive_all(
         simulator: Registered name, or `module:attr`.
         seed: Seed of the simulator's random streams.
         workers: Processes; 0 drives in this process, where debuggers work and a stack can end everything.
-        time_limit_s: Seconds after which a scene whose drives have not ended fails; by default drives take as
-            long as they need. With it, the making of driver and simulator may take `MAKING_S`, or as long.
+        time_limit_s: Seconds after which a scene fails whose drives, with the making of their drivers, have not
+            ended; by default drives take as long as they need. A process may take `MAKING_S`, or as long, to
+            import and make the driver and the simulator before.
 
     Raises:
         UsageError: If there is no such driver or simulator, a driver cannot be made, or there is a time limit but
@@ -71,13 +72,17 @@ def drive_all(
         return
     check_workers(simulator, workers, None)
     jobs = [DriveJob(driver, simulator, seed) for driver in drivers]
+    making_s = None if time_limit_s is None else max(time_limit_s, MAKING_S)
     if len(jobs) > 1:
-        with Processes(1) as pool:
+        with Processes(1, limit_s=making_s) as pool:
             for job in jobs:
-                _prepare_in(pool, job, time_limit_s)
+                _finish(pool.submit(_prepare, job), job)
     for job in jobs:
-        with Processes(workers) as pool:
-            _prepare_in(pool, job, time_limit_s)
+        prepare = partial(_prepare, job, is_limited=time_limit_s is not None)
+        with Processes(
+            workers, limit_s=time_limit_s, prepare=prepare, prepare_limit_s=making_s
+        ) as pool:
+            _finish(pool.submit(is_worker), job)
             futures = {pool.submit(_drive_one, job, scene): scene for scene in scenes}
             for future in as_completed(futures):
                 try:
@@ -97,18 +102,22 @@ def _drive_here(
             yield drive([scene], makers[name], shared, name=name, seed=seed)
 
 
-def _prepare_in(pool: Processes, job: DriveJob, time_limit_s: float | None) -> None:
-    """Make the driver and the simulator in one of the processes, so that errors appear before any drive."""
-    pool.limit_s = None if time_limit_s is None else max(time_limit_s, MAKING_S)
+def _finish(preparing: Future[object], job: DriveJob) -> None:
+    """Wait until a driver was made, so that errors appear before any drive."""
     try:
-        pool.submit(_prepare_worker, job).result()
+        preparing.result()
     except BrokenExecutor as error:
         raise UsageError(f"the driver {job.driver!r} cannot be made: {error}") from None
-    pool.limit_s = time_limit_s
 
 
-def _prepare_worker(job: DriveJob) -> None:
-    _simulator_and_maker(job)
+def _prepare(job: DriveJob, *, is_limited: bool = False) -> None:
+    """Make the simulator and the first driver of a worker.
+
+    A time limit is one for drives and the making of their drivers, so that with it the first is not kept.
+    """
+    _, make = _simulator_and_maker(job)
+    if is_limited:
+        make()
 
 
 @lru_cache(maxsize=1)
