@@ -14,6 +14,8 @@ _GATHERING, _STOPPING = 6, 4
 """Stretches in which a rolling thing gathers speed and comes to rest."""
 _LEAST_EVEN_S = 0.3
 """Time at even speed from which it is a stretch of its own, s."""
+_LEAST_SPEED = math.ulp(0.0)
+"""Least speed of a rolling thing, with which it takes for ever, m/s."""
 _LAP = 16
 """Stretches of one round on a circle."""
 
@@ -89,8 +91,9 @@ class Roll(Data):
     def poses(self) -> Poses:
         """Return the key poses."""
         gain, braking = self.acceleration, _BRAKING if self.stops else math.inf
-        # The greatest speed that leaves room to gather it and to come to rest.
-        speed = min(self.speed, math.sqrt(self.distance / (0.5 / gain + 0.5 / braking)))
+        # The greatest speed that leaves room to gather it and to come to rest; it may round to 0.
+        fastest = math.sqrt(self.distance / (0.5 / gain + 0.5 / braking)) or _LEAST_SPEED
+        speed = min(self.speed, fastest)
         gathering_m, braking_m = 0.5 * speed * speed / gain, 0.5 * speed * speed / braking
         rows = [
             (speed / gain * k / _GATHERING, gathering_m * (k / _GATHERING) ** 2)

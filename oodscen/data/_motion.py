@@ -278,7 +278,7 @@ def _end_faults(motion: Motion, poses: Sequence[KeyPose]) -> Iterator[Issue]:
 
 
 def _is_measurable(motion: Motion) -> bool:
-    """Return whether there is one course, its keys come one after the other, and two if they repeat."""
+    """Return whether there is one course, its keys are far enough apart, and two if they repeat."""
     if sum(bool(getattr(motion, name)) for name in _COURSES) != 1:
         return False
     try:
@@ -287,7 +287,7 @@ def _is_measurable(motion: Motion) -> bool:
         return False
     if motion.then == "repeat" and len(poses) < 2:
         return False
-    return all(following.at > pose.at for pose, following in pairwise(poses))
+    return all(following.at >= pose.at + LEAST_SPAN for pose, following in pairwise(poses))
 
 
 def _seam_faults(motion: Motion, first: KeyPose, last: KeyPose) -> Iterator[Issue]:
