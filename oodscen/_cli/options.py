@@ -18,7 +18,12 @@ from oodscen.llm._remote.budget import check_price
 from oodscen.llm._remote.limits import LONGEST_S, TIMEOUT_S
 from oodscen.llm._remote.rate_limit import PATIENCE_S
 from oodscen.protocols import Camera
-from oodscen.stages._redteam.thresholds import BROADENINGS, NEAREST_LABEL, NEAREST_TEXT
+from oodscen.stages._redteam.thresholds import (
+    BROADENINGS,
+    MOST_IN_FLIGHT,
+    NEAREST_LABEL,
+    NEAREST_TEXT,
+)
 
 if TYPE_CHECKING:
     from oodscen.llm._remote.budget import Price
@@ -223,7 +228,7 @@ red_options = grouped_options(
     ),
     click.option(
         "--in-flight",
-        type=click.IntRange(1, 256),
+        type=click.IntRange(1, MOST_IN_FLIGHT),
         help="Concurrent proposals; each sees the tree as it was this many rounds earlier.  [default: 1]",
     ),
     click.option(

@@ -6,13 +6,14 @@ import re
 from collections.abc import Collection, Mapping, Sized
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self, get_args
 
 from pydantic import (
     BaseModel,
     ConfigDict,
     SerializerFunctionWrapHandler,
     ValidationError,
+    ValidationInfo,
     field_validator,
     model_serializer,
 )
@@ -156,6 +157,18 @@ class LeanData(Data):
             if name in value and _is_empty(value[name]):
                 del value[name]
         return value
+
+
+class Choices(Data):
+    """Value of a caller's choices: where no yes or no is asked for, `True` is refused and does not count as 1."""
+
+    noun: ClassVar[str] = Data.noun
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _counts_no_truth_value(cls, value: object, info: ValidationInfo) -> object:
+        kind = cls.model_fields[info.field_name or ""].annotation
+        return value if bool in (kind, *get_args(kind)) else no_truth_value(value)
 
 
 def _is_empty(value: object) -> bool:

@@ -5,12 +5,15 @@ from typing import Annotated, Any, ClassVar, Self, TypeVar
 
 from pydantic import Field, model_validator
 
+from oodscen._numbers import MOST
 from oodscen._paper import FEW_SHOTS, ITERATIONS, PER_PATH
-from oodscen.data._base import Data
+from oodscen._seeding import MAX_SEED
+from oodscen.data._base import Choices
 from oodscen.errors import DataError, UsageError
 from oodscen.prompts._scenario.describe_path import Style
 from oodscen.stages._redteam.thresholds import (
     BROADENINGS,
+    MOST_IN_FLIGHT,
     NEAREST_LABEL,
     NEAREST_TEXT,
     TOKENS,
@@ -18,11 +21,11 @@ from oodscen.stages._redteam.thresholds import (
     Similarity,
 )
 
-Options = TypeVar("Options", bound=Data)
+Options = TypeVar("Options", bound=Choices)
 _OodnessBound = Annotated[float, Field(allow_inf_nan=True)]
 
 
-class RedTeamOptions(Data):
+class RedTeamOptions(Choices):
     """Options of a `RedTeamer`: the stopping rules, the loop, and what a prompt shows.
 
     The first stopping rule that holds ends the red teaming: `iterations`, `budget`, `patience` or `coverage`.
@@ -57,18 +60,18 @@ class RedTeamOptions(Data):
     refused, by the red-LLM's own figure or, where it gives none, by the offline head. Without it common kinds are
     asked for first and rarer ones once nothing new comes, and nothing is refused.
     """
-    in_flight: int = Field(default=1, ge=1)
+    in_flight: int = Field(default=1, ge=1, le=MOST_IN_FLIGHT)
     """Number of proposals in flight: the red-LLM sees the tree as it was this many rounds ago. Decisions are
     taken in the order of the rounds.
     """
-    threads: int | None = Field(default=None, ge=1)
+    threads: int | None = Field(default=None, ge=1, le=MOST)
     """Threads that ask; they change no result. As many as `in_flight` if left out."""
 
 
-class DescribeOptions(Data):
+class DescribeOptions(Choices):
     """Options of a `Describer`: how many texts, in which style, and how they are chosen."""
 
-    per_path: int = Field(default=PER_PATH, ge=1)
+    per_path: int = Field(default=PER_PATH, ge=1, le=MOST)
     """Texts per path, as far as its kind bears them."""
     style: Style = "natural"
     nearest: Similarity = 0.93
@@ -83,9 +86,9 @@ class DescribeOptions(Data):
     """Write the ordinary twin of every text; a text whose twin's answers are never valid gets none."""
     batch: int = Field(default=10, ge=1)
     """Maximum number of texts per call."""
-    sample: int = 0
+    sample: int = Field(default=0, ge=0, le=MAX_SEED)
     """Keeps independent sets of texts apart."""
-    threads: int = Field(default=1, ge=1)
+    threads: int = Field(default=1, ge=1, le=MOST)
     """Number of paths to work on at once."""
 
     @model_validator(mode="after")

@@ -1,15 +1,9 @@
 """The configuration of a study; equal configurations give the same bytes."""
 
 from collections.abc import Collection, Mapping
-from typing import Annotated, Any, ClassVar, Literal, Self, get_args
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import (
-    Field,
-    ModelWrapValidatorHandler,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import Field, ModelWrapValidatorHandler, model_validator
 
 from oodscen import _paper as paper
 from oodscen._entry_points import names
@@ -22,12 +16,13 @@ from oodscen._registry import (
     is_builtin,
 )
 from oodscen._seeding import MAX_SEED
-from oodscen.data._base import Data, no_truth_value
+from oodscen.data._base import Choices
 from oodscen.data._reactions import LONGEST_REACTION_S, REACTIONS_S
 from oodscen.prompts._scenario.describe_path import Style
 from oodscen.protocols import Camera
 from oodscen.stages._redteam.thresholds import (
     BROADENINGS,
+    MOST_IN_FLIGHT,
     NEAREST_LABEL,
     NEAREST_TEXT,
     RarityBand,
@@ -35,7 +30,7 @@ from oodscen.stages._redteam.thresholds import (
 )
 
 
-class StudyConfig(Data):
+class StudyConfig(Choices):
     """Every choice that affects the results; the number of workers does not."""
 
     noun: ClassVar[str] = "study configuration"
@@ -98,7 +93,7 @@ class StudyConfig(Data):
     """Stop red teaming after this many rounds in a row without a new kind."""
     red_coverage: float | None = Field(default=None, gt=0.0, lt=1.0)
     """Stop red teaming when the Good-Turing coverage exceeds this."""
-    in_flight: int = Field(default=1, ge=1, le=256)
+    in_flight: int = Field(default=1, ge=1, le=MOST_IN_FLIGHT)
     """Proposals in flight at once; each sees the tree as it was this many rounds ago."""
     nearest: Similarity = NEAREST_TEXT
     """Minimum similarity to an earlier proposal at which a proposal is refused."""
@@ -145,12 +140,6 @@ class StudyConfig(Data):
     frames: int = Field(default=3, ge=3, le=8)
     """Number of frames of a drive, at even distances in time."""
     seed: int = Field(default=0, ge=0, le=MAX_SEED)
-
-    @field_validator("*", mode="before")
-    @classmethod
-    def _counts_no_truth_value(cls, value: object, info: ValidationInfo) -> object:
-        kind = cls.model_fields[info.field_name or ""].annotation
-        return value if bool in (kind, *get_args(kind)) else no_truth_value(value)
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:

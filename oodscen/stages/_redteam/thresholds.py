@@ -16,6 +16,8 @@ BROADENINGS = 2
 """Number of broadenings of a leaf before it is split."""
 TOKENS = 4_000
 """Room for the tree in a prompt, in tokens."""
+MOST_IN_FLIGHT = 256
+"""Upper limit of proposals in flight."""
 
 
 def _ordered(band: tuple[float, float]) -> tuple[float, float]:
