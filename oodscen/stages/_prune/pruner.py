@@ -185,6 +185,9 @@ class Pruner(Brief):
             lacks = lacks or self._stood_for(substitutes)
         reason = one_line(answer.reasoning)[:_LONGEST_REASON] or _default_reason(keep, lacks)
         means = {name: tuple(dict.fromkeys(getattr(answer, name))) for name in MEANS}
+        # A model may name a substitute as such alone.
+        shown_by = (*answer.assets, *(substitute.asset for substitute in substitutes))
+        means["assets"] = tuple(dict.fromkeys(shown_by))
         return PruneDecision(
             id=leaf.id,
             path=path,

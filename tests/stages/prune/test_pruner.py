@@ -256,6 +256,23 @@ def test_substitutes_are_marked_and_can_be_refused():
     assert bison.assets == ()
 
 
+def test_leaves_that_only_substitutes_show_are_alike_where_these_are():
+    def stood_in(asset, thing):
+        return {"simulatable": True, "substitutes": [{"asset": asset, "stands_for": thing}]}
+
+    tree = planted("Bison", "Ox", "Elk")
+    pruner = judging(
+        Bison=stood_in("cow", "bison"), Ox=stood_in("cow", "ox"), Elk=stood_in("deer", "elk")
+    )
+    judged = {item.id: item for item in all_decisions(tree, pruner.decisions(tree))}
+    assert [judged[name].assets for name in ("bison", "ox", "elk")] == [
+        ("cow",),
+        ("cow",),
+        ("deer",),
+    ]
+    assert [judged[name].same_as for name in ("bison", "ox", "elk")] == [("ox",), ("bison",), ()]
+
+
 def test_a_refused_substitute_tells_what_the_catalogue_lacks():
     asked = []
 
