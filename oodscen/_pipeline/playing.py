@@ -39,8 +39,10 @@ def enter_played(study: Study, drives: Sequence[DriveResult], *, is_replacing: b
         for drive in drives
     }
     driven = dict.fromkeys(scene_of(drive.scene_id) for drive in drives)
-    with using(make_simulator(study.config.simulator)) as own:
-        simulator = moving(own, own.catalogue())
+    with (
+        using(make_simulator(study.config.simulator)) as own,
+        moving(own, own.catalogue()) as simulator,
+    ):
         both = _pairs(
             before | entered,
             driver,

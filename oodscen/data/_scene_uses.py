@@ -150,7 +150,9 @@ class SceneUses:
         Raises:
             UnknownComponent: If there is no such mode, target or action.
             SceneError: If the catalogue, the road or the player refuses the scene.
-            UsageError: If the player has no such mode, or the ego lacks the lane that the action needs.
+            SimulatorError: If the simulator fails, whatever it raises.
+            UsageError: If the player has no such mode, the ego lacks the lane that the action needs, or another thread
+                uses the simulator.
         """
         from oodscen.interchange._writing.scenario import to_openscenario
 
@@ -305,7 +307,8 @@ class SceneUses:
         Raises:
             SceneError: If the catalogue or the road refuses the scene.
             UnknownComponent: If there is no such container or action.
-            UsageError: If the ego lacks the lane that the action needs.
+            SimulatorError: If the simulator fails, whatever it raises.
+            UsageError: If the ego lacks the lane that the action needs, or another thread uses the simulator.
             MissingExtra: If the packages for MCAP are not installed.
         """
         from oodscen.interchange._traces.osi_writing import osi_trace

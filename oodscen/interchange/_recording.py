@@ -1,16 +1,19 @@
 """Runs of a scene as arrays, for the files that hold the courses of its bodies."""
 
 from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from oodscen._display import Brief
+from oodscen._members import of_the_caller, working
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._reactions import NOMINAL_REACTION_S
 from oodscen.data._scene import MAX_TRIGGER, Behaviour, Scene, Trigger
 from oodscen.driving import MirrorSimulator
 from oodscen.driving._checked_simulator import checked_simulator, moves_as_world
+from oodscen.driving._exclusive import exclusive
 from oodscen.driving._motion.actions import Cruise, action_driver, is_available
 from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER
 from oodscen.driving._motion.triggers import MAX_APPROACH_S
@@ -65,13 +68,21 @@ class UnrenderedSimulator(MirrorSimulator):
         raise SimulatorError("this simulator has no pictures")
 
 
-def moving(simulator: Simulator | None, catalogue: Catalogue) -> Simulator:
-    """Return what moves as a simulator does: where that is the kinematic world, the default, the world without pictures."""
+@contextmanager
+def moving(simulator: Simulator | None, catalogue: Catalogue) -> Iterator[Simulator]:
+    """Lend a simulator; in place of none, and of one that moves as the kinematic world, that world without pictures.
+
+    Raises:
+        SimulatorError: When the simulator fails, whatever it raises.
+        UsageError: When another thread uses the simulator.
+    """
     if simulator is None:
-        return UnrenderedSimulator(catalogue)
-    if moves_as_world(simulator):
-        return UnrenderedSimulator(catalogue, simulator.dt)
-    return checked_simulator(simulator)
+        yield UnrenderedSimulator(catalogue)
+    elif moves_as_world(simulator):
+        yield UnrenderedSimulator(catalogue, simulator.dt)
+    else:
+        with exclusive(simulator), working("simulator", simulator.name):
+            yield checked_simulator(simulator)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -176,11 +187,14 @@ def action_states(
     """Yield the states of an action after the current one, up to the horizon, a contact or the road's edge.
 
     Raises:
+        UnknownComponent: If there is no such action.
         UsageError: If the ego lacks the lane that the action needs.
     """
-    driver = action_driver(action, reaction_s)
-    if not is_available(action, simulator.observe()):
-        raise UsageError(f"the ego has no lane for its action {action}")
+    observation = simulator.observe()
+    with of_the_caller():
+        driver = action_driver(action, reaction_s)
+        if not is_available(action, observation):
+            raise UsageError(f"the ego has no lane for its action {action}")
     for _ in range(max(1, round(scene.horizon_s / simulator.dt))):
         if state.contacts or state.off_road:
             return
@@ -323,5 +337,6 @@ def ordinary_twin(
     scene: Scene, catalogue: Catalogue, *, seed: int = 0, simulator: Simulator | None = None
 ) -> Scene:
     """Return a scene's ordinary twin, judged at the time of the scene's own decision."""
-    states, _, _ = approach(scene, moving(simulator, catalogue), seed)
+    with moving(simulator, catalogue) as world:
+        states, _, _ = approach(scene, world, seed)
     return scene.twin(round(states[-1].time, 6))

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Literal
 
 from oodscen._arguments import checked
+from oodscen._numbers import seed_number
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._reactions import NOMINAL_REACTION_S
 from oodscen.data._scene import Scene
@@ -59,7 +60,9 @@ def osi_trace(
     """Return a scene's run as a trace of OSI ground truth; `Scene.to_osi` tells arguments and errors."""
     if container not in CONTAINERS:
         raise UnknownComponent("container", container, CONTAINERS)
-    run = replayed(scene, moving(simulator, catalogue), action, seed, reaction_s)
+    seed_number(seed)
+    with moving(simulator, catalogue) as world:
+        run = replayed(scene, world, action, seed, reaction_s)
     messages = _messages(run, entities(scene, catalogue))
     if container == "mcap":
         return mcap_trace(messages, road_file(scene, catalogue))

@@ -9,10 +9,13 @@ from typing import Any
 import numpy as np
 
 from oodscen._files import replace
+from oodscen._members import of_the_caller, working
+from oodscen._numbers import seed_number
 from oodscen.data._episode import ACTIONS
 from oodscen.data._reactions import NOMINAL_REACTION_S
 from oodscen.data._scene import Scene
 from oodscen.driving._base_simulator import render_checked
+from oodscen.driving._exclusive import exclusive
 from oodscen.driving._motion.actions import is_available
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
@@ -20,7 +23,7 @@ from oodscen.errors import MissingExtra
 from oodscen.interchange._recording import RecordedRun, action_states, moving, replayed
 from oodscen.interchange._writing.entities import Entity, entities
 from oodscen.numerics._exact import Floats
-from oodscen.protocols import Camera, Simulator, State, camera_for
+from oodscen.protocols import Camera, Frame, Simulator, State, camera_for
 from oodscen.stages._simulate import approach
 
 PICTURE_S = 0.5
@@ -69,17 +72,18 @@ def write_rerun(
         MissingExtra: If Rerun is not installed.
         SceneError: If the catalogue or the road refuses the scene.
         UnknownComponent: If there is no such action.
-        UsageError: If the ego lacks the lane that the action needs.
-        SimulatorError: If the simulator fails.
+        UsageError: If the ego lacks the lane that the action needs, or another thread uses the simulator.
+        SimulatorError: If the simulator fails, whatever it raises.
     """
     rerun = rerun_library()
     catalogue = simulator.catalogue()
     corridor = load_corridor(scene.map, catalogue)
-    world = moving(simulator, catalogue)
-    approach(scene, world, seed)
-    available = [name for name in ACTIONS if is_available(name, world.observe())]
-    names = dict.fromkeys((action, *available))
-    runs = {name: replayed(scene, world, name, seed, reaction_s) for name in names}
+    seed_number(seed)
+    with moving(simulator, catalogue) as world:
+        approach(scene, world, seed)
+        available = [name for name in ACTIONS if is_available(name, world.observe())]
+        names = dict.fromkeys((action, *available))
+        runs = {name: replayed(scene, world, name, seed, reaction_s) for name in names}
     bodies = entities(scene, catalogue)
     with TemporaryDirectory() as folder:
         part = Path(folder) / "run.rrd"
@@ -101,9 +105,12 @@ def _film(log: "_Log", simulator: Simulator, every_s: float, states: Iterator[St
     camera = camera_for(simulator.catalogue())
     log.camera(camera)
     steps = max(1, round(every_s / simulator.dt))
-    for number, state in enumerate(states):
-        if number % steps == 0:
-            log.picture(state, simulator, camera)
+    with exclusive(simulator), working("simulator", simulator.name):
+        for number, state in enumerate(states):
+            if number % steps == 0:
+                frame = render_checked(simulator, camera, len(state.ids))
+                with of_the_caller():
+                    log.picture(state.time, frame)
 
 
 def _states(
@@ -237,10 +244,10 @@ class _Log:
         )
         self.stream.log(name, lens, static=True)
 
-    def picture(self, state: State, simulator: Simulator, camera: Camera) -> None:
-        """Write the camera's picture and depth at the simulator's present state."""
-        frame, name = render_checked(simulator, camera, len(state.ids)), "world/ego/camera"
-        self.stream.set_time(_TIME, duration=state.time)
+    def picture(self, time: float, frame: Frame) -> None:
+        """Write the camera's picture and depth at a time, s."""
+        name = "world/ego/camera"
+        self.stream.set_time(_TIME, duration=time)
         self.stream.log(f"{name}/picture", self.rerun.Image(frame.rgb).compress())
         depth_m = np.where(frame.depth < _FARTHEST_M, frame.depth, 0.0)
         depth = np.round(depth_m * _DEPTH_UNITS_PER_M).astype(np.uint16)

@@ -6,6 +6,7 @@ from typing import Literal
 from lxml import etree
 
 from oodscen._arguments import checked
+from oodscen._numbers import seed_number
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
 from oodscen.data._reactions import NOMINAL_REACTION_S
@@ -58,6 +59,7 @@ def to_openscenario(
 ) -> ScenarioFile:
     """Return a scene as OpenSCENARIO XML; `Scene.to_openscenario` tells arguments and errors."""
     _check_request(scene, catalogue, mode, target)
+    seed_number(seed)
     road = road_file(scene, catalogue)
     root = document(road.name)
     bodies = entities(scene, catalogue)
@@ -73,7 +75,8 @@ def to_openscenario(
     for body in bodies:
         _add_properties(write_entity(holder, body), body.state, target)
     if mode == "replay":
-        run = replayed(scene, moving(simulator, catalogue), action, seed, reaction_s)
+        with moving(simulator, catalogue) as world:
+            run = replayed(scene, world, action, seed, reaction_s)
         write_replay(root, scene, bodies, run, corridor)
         decision_s = run.decision_s or 0.0
         notes.append(

@@ -3,8 +3,8 @@ import importlib.util
 import pytest
 
 from oodscen import make_simulator
-from oodscen.errors import MissingExtra
-from oodscen.interchange._traces.rerun_files import write_rerun
+from oodscen.errors import MissingExtra, SimulatorCrash
+from oodscen.interchange._traces.rerun_files import _film, write_rerun
 from tests.interchange.staging import SCENES
 
 SCENE = SCENES[0]
@@ -31,3 +31,23 @@ def test_a_recording_has_every_part(tmp_path):
     } <= found
     assert {"/world/ego/camera/picture", "/world/ego/camera/depth", "/plan/bodies"} <= found
     assert {"/actions/stop/speed", "/actions/keep_speed/distance"} <= found
+
+
+class FullDisk:
+    """The log of a recording whose pictures do not fit on the disk."""
+
+    def camera(self, camera):
+        pass
+
+    def picture(self, time, frame):
+        raise OSError("no space left")
+
+
+def test_only_what_the_simulator_raises_is_its_failure(monkeypatch):
+    with make_simulator("flat") as simulator:
+        states = [simulator.reset(SCENE, 0)]
+        with pytest.raises(OSError, match="no space left"):
+            _film(FullDisk(), simulator, 0.5, iter(states))
+        monkeypatch.setattr(simulator, "render", lambda camera: 1 / 0)
+        with pytest.raises(SimulatorCrash, match="ZeroDivisionError"):
+            _film(FullDisk(), simulator, 0.5, iter(states))
