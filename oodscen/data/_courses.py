@@ -125,7 +125,7 @@ class Drift(Data):
     """A drift with the wind: on in gusts, swaying, rising and sinking."""
 
     speed: float = Field(default=3.0, gt=0, le=20)
-    """Mean speed, m/s."""
+    """Mean speed of gusts and lulls, m/s; it sets off and ends at half of it."""
     seconds: float = Field(default=12.0, ge=1, le=60)
     gust_s: float = Field(default=2.5, ge=0.5, le=10)
     """Time from gust to gust, s."""

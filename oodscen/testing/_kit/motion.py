@@ -134,10 +134,10 @@ class _Bend(NamedTuple):
 def _sharpest_bend(probe: Probe) -> _Bend:
     """Return the sharpest bend of all maps, at least 30 m ahead of the ego.
 
-    Bends tighter than 30 m, as on a roundabout, are left out.
+    A map with a turn near the start that is tighter than 30 m, as on a roundabout, is left out.
 
     Raises:
-        NotApplicable: If there is no other.
+        NotApplicable: If there is no other map.
     """
     bends = []
     for road in probe.catalogue.maps:
