@@ -22,7 +22,7 @@ _BESIDE = 0.1
 _CLEARANCE_M = 0.35
 """Distance in front of a lamp within which surfaces do not hide it, m: its own glass is there."""
 _VISIBLE_BESIDE = 0.6
-"""Share of a lamp beside the picture that counts as visible."""
+"""Share of a lamp or a sun beside the picture that counts as visible."""
 _MURKY_M = 60.0
 """Distance whose extinction tells how murky the air is, m."""
 _RADIUS_M = 0.055
@@ -109,7 +109,7 @@ def add_glows(
         place = _place(view, lamp)
         if place is None:
             continue
-        visible = _facing_share(view, lamp) * _visible_share(depth, place)
+        visible = _facing_share(view, lamp) * _visible_share(depth, place, _VISIBLE_BESIDE)
         if visible <= 0.0:
             continue
         column, row, ahead = place
@@ -132,8 +132,8 @@ def add_glare(
     if place is None:
         return
     column, row, _ = place
-    visible = _visible_share(depth, _PixelPlace(column, row, _SKY_M))
-    scattered = 0.0 if is_inside else _SCATTERED
+    beside, scattered = (0.0, 0.0) if is_inside else (_VISIBLE_BESIDE, _SCATTERED)
+    visible = _visible_share(depth, _PixelPlace(column, row, _SKY_M), beside)
     veil = scattered + (1.0 - scattered) * visible
     for disc in _GLARE:
         strength = disc.light * (veil if disc.is_veil else visible)
@@ -173,15 +173,21 @@ def _facing_share(view: CameraView, lamp: Lamp) -> float:
     return max(0.0, min(1.0, _BEAM_GAIN * (fx * dx + fy * dy + fz * dz) / length))
 
 
-def _visible_share(depth: F32, place: _PixelPlace) -> float:
-    """Return the fraction of the pixels around a point that nothing in front of it occludes."""
+def _visible_share(depth: F32, place: _PixelPlace, beside: float) -> float:
+    """Return the fraction of the pixels around a point that nothing in front of it occludes.
+
+    Args:
+        depth: [height, width] m
+        place: The point.
+        beside: The fraction for a point beside the picture.
+    """
     height, width = depth.shape
     c, r = round(place.column - 0.5), round(place.row - 0.5)
     patch = depth[
         max(r - 1, 0) : max(min(r + 2, height), 0), max(c - 1, 0) : max(min(c + 2, width), 0)
     ]
     if patch.size == 0:
-        return _VISIBLE_BESIDE
+        return beside
     return np.count_nonzero(patch > place.depth - _CLEARANCE_M) / patch.size
 
 

@@ -134,6 +134,15 @@ def test_a_tunnel_has_glare_only_where_the_sun_is_seen() -> None:
         assert (image == (glare(depth) if is_seen else 0)).all()
 
 
+@pytest.mark.parametrize("is_inside", [True, False])
+def test_a_sun_beside_the_picture_dazzles_in_the_open_only(is_inside: bool) -> None:
+    aside = CameraView.of(Camera(width=WIDTH, height=HEIGHT, yaw_deg=-30.0), (0.0, 0.0, 0.0, 0.0))
+    image = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
+    sky = np.full((HEIGHT, WIDTH), np.inf, np.float32)
+    add_glare(image, aside, sky, LOW_SUN, is_inside=is_inside)
+    assert image.any() != is_inside
+
+
 def test_a_hidden_sun_leaves_a_part_of_its_veil() -> None:
     seen, hidden = glare(400.0), glare(390.0)
     assert seen.max() == 255

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from oodscen_pybullet._lighting.light import Light
+from oodscen_pybullet._lighting.shelter import Portal
 from oodscen_pybullet._rendering import picture
 from oodscen_pybullet._rendering.stage import RawPicture
 from oodscen_pybullet._rendering.view import CameraView
@@ -45,3 +46,12 @@ def test_a_band_that_fails_is_no_picture(monkeypatch) -> None:
     monkeypatch.setattr(picture, "postprocess_pixels", fail)
     with pytest.raises(MemoryError, match="a band"):
         picture.develop(replace(RAW, threads=2))
+
+
+@pytest.mark.parametrize("is_inside", [True, False])
+def test_glare_is_told_whether_the_camera_is_in_a_tunnel(is_inside, monkeypatch) -> None:
+    told = []
+    monkeypatch.setattr(picture, "add_glare", lambda *around, is_inside: told.append(is_inside))
+    portal = Portal(is_inside=is_inside, adaptation=0.0, distance=6.0, normal=(0.0, 0.0, 1.0))
+    picture.develop(replace(RAW, portal=portal))
+    assert told == [is_inside]
