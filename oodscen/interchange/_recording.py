@@ -176,8 +176,9 @@ def replayed(
         UsageError: If the ego lacks the lane that the action needs.
     """
     states, _, _ = approach(scene, simulator, seed)
-    decision_s = states[-1].time
-    states += action_states(scene, simulator, states[-1], action, reaction_s)
+    after = list(action_states(scene, simulator, states[-1], action, reaction_s))
+    decision_s = states[-1].time if after else None
+    states += after
     return RecordedRun.of(states, load_corridor(scene.map, simulator.catalogue()), decision_s)
 
 

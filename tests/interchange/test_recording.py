@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.data._scene import Scene
+from oodscen.data._scene import Scene, Trigger
 from oodscen.driving._exclusive import exclusive
 from oodscen.errors import SimulatorCrash, UnknownComponent, UsageError
 from oodscen.interchange._recording import RecordedRun, ordinary_twin
@@ -104,3 +104,11 @@ def test_a_choice_that_is_refused_is_no_failure_of_the_simulator(choice, error, 
     for write in (scene.to_osi, scene.to_openscenario):
         with pytest.raises(error):
             write(FLAT_CATALOGUE, simulator=OwnSimulator(), **choice)
+
+
+def test_a_run_that_ends_before_the_decision_has_no_action(scene):
+    (exact,) = scene.to_openscenario(FLAT_CATALOGUE, action="stop").notes
+    assert "the ego's action stop from" in exact
+    late = scene.model_copy(update={"decision": Trigger(kind="time", value=60.0)})
+    (exact,) = late.to_openscenario(FLAT_CATALOGUE, action="stop").notes
+    assert "before its action" in exact

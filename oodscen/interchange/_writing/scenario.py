@@ -78,10 +78,11 @@ def to_openscenario(
         with moving(simulator, catalogue) as world:
             run = replayed(scene, world, action, seed, reaction_s)
         write_replay(root, scene, bodies, run, corridor)
-        decision_s = run.decision_s or 0.0
-        notes.append(
-            f"Exact at steps of {run.dt:g} s, with the ego's action {action} from {decision_s:.2f} s on."
-        )
+        if run.decision_s is None:
+            ending = "up to the end of the ego's drive, which comes before its action"
+        else:
+            ending = f"with the ego's action {action} from {run.decision_s:.2f} s on"
+        notes.append(f"Exact at steps of {run.dt:g} s, {ending}.")
     else:
         reacting = reactions(scene, catalogue, seed)
         write_reactive(root, scene, bodies, reacting, corridor)
