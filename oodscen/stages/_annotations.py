@@ -81,7 +81,7 @@ class ActorAnnotation(Data):
     unhidden_px: int | None
     """Pixels that the actor would fill without occlusion; `None` if the simulator cannot tell."""
     visible_share: float | None
-    """Visible pixels per unoccluded one, 0 to 1; `None` if the actor is not in the image."""
+    """Visible pixels per unoccluded one, 0 to 1; `None` if it has none in the image, or the simulator cannot tell."""
     occlusion: float | None
     """1 - `visible_share`."""
     truncation: float
@@ -110,6 +110,7 @@ class FrameAnnotations(Data):
     """Annotations of the actors, in the scene's order."""
 
     @staticmethod
+    @checked
     def semantic_map(
         frame: Frame, state: State, scene: Scene, catalogue: Catalogue, camera: Camera | None = None
     ) -> NDArray[np.uint8]:
@@ -149,6 +150,7 @@ class FrameAnnotations(Data):
         classes[rows[is_ground], columns[is_ground]] = kinds[is_ground]
         return classes
 
+    @checked
     def save(
         self, folder: str | Path, name: str, frame: Frame, classes: NDArray[np.uint8]
     ) -> list[Path]:
@@ -162,16 +164,20 @@ class FrameAnnotations(Data):
 
         Raises:
             MissingExtra: When OpenCV is not installed.
-            UsageError: When the name is not one of a file, or the map is not one of the frame.
+            UsageError: When the name is not one of a file, or the frame or the map is of another picture.
             FolderTaken: When the folder belongs to a study, such as its `frames`.
             OodscenError: When a file cannot be written.
         """
         if name in ("", ".", "..") or Path(name).name != name:
             raise UsageError(f"name must be one of a file, not {said(name, 80)}")
-        if np.shape(classes) != frame.ids.shape:
-            raise UsageError(
-                f"classes must have the shape of the frame, {frame.ids.shape}, not {np.shape(classes)}"
-            )
+        size = (self.height, self.width)
+        for argument, image in (("frame", frame.ids), ("classes", classes)):
+            if image.shape != size:
+                raise UsageError(
+                    f"{argument} must have the shape of the annotated frame, {size}, not {image.shape}"
+                )
+        if classes.dtype != np.uint8:
+            raise UsageError(f"classes must be uint8, not {classes.dtype}")
         target = Path(folder)
         files = self.encoded(name, frame, classes)
         with writing(target):

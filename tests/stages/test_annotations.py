@@ -132,8 +132,33 @@ def test_what_cannot_be_written_is_named(seen, notes, tmp_path):
     for folder in (tmp_path / "file", tmp_path / "file" / "x", tmp_path / ("a" * 300), "a\0b"):
         with pytest.raises(OodscenError, match="cannot write"):
             notes.save(folder, "last", frame, np.zeros(frame.ids.shape, np.uint8))
-    with pytest.raises(UsageError, match="shape"):
-        notes.save(tmp_path, "last", frame, np.zeros((3, 3), np.uint8))
+
+
+@pytest.mark.parametrize(
+    ("argument", "change"),
+    [
+        ("name", {"name": 3}),
+        ("frame", {"frame": None}),
+        ("frame", {"frame": Frame(*(np.zeros((3, 3)),) * 3)}),
+        ("classes", {"classes": None}),
+        ("classes", {"classes": np.zeros((3, 3), np.uint8)}),
+        ("classes", {"classes": np.zeros((CAMERA.height, CAMERA.width), np.int64)}),
+    ],
+)
+def test_what_is_of_another_picture_or_kind_is_not_saved(seen, notes, tmp_path, argument, change):
+    frame = seen[0]
+    good = {"name": "last", "frame": frame, "classes": np.zeros(frame.ids.shape, np.uint8)}
+    with pytest.raises(UsageError, match=f"^{argument} must "):
+        notes.save(tmp_path, **good | change)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("place", range(5))
+def test_a_map_of_other_kinds_of_values_is_refused(seen, place):
+    good = [seen[0], seen[1], SCENE, seen[2], CAMERA]
+    good[place] = 3
+    with pytest.raises(UsageError, match="must be"):
+        FrameAnnotations.semantic_map(*good)
 
 
 def test_files_hold_all_of_it(seen, notes, tmp_path):
