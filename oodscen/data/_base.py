@@ -111,7 +111,7 @@ class Data(Brief, _Model):
             DataError: With pydantic's faults of what has no JSON, or else that it has none.
         """
         try:
-            return json.dumps(value, allow_nan=False, default=_as_plain)
+            return json.dumps(value, ensure_ascii=False, allow_nan=False, default=_as_plain)
         except (TypeError, ValueError, RecursionError) as error:
             with suppress(RecursionError):
                 cls.model_validate(value)
@@ -128,14 +128,23 @@ class Data(Brief, _Model):
         return cls.parse(read_utf8(path, cls.noun), source=str(path))
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Return a copy with some fields changed; what was cached of the fields is not copied."""
+        """Return a copy with some fields changed; what was cached of the fields is not copied.
+
+        The values are taken as they are.
+
+        Raises:
+            DataError: If there is no field of a name.
+        """
+        fields = type(self).model_fields.keys()
+        if unknown := [Issue(name, "is no field") for name in update or () if name not in fields]:
+            raise DataError(self.noun, unknown)
         copied = super().model_copy(update=update, deep=deep)
-        for name in copied.__dict__.keys() - type(self).model_fields.keys():
+        for name in copied.__dict__.keys() - fields:
             del copied.__dict__[name]
         return copied
 
     def to_json(self) -> str:
-        """Return the canonical JSON text: sorted keys, no spaces, and the same bytes for equal values."""
+        """Return the canonical JSON text: sorted keys, no spaces, and the same bytes for equal values but -0.0 and 0.0."""
         return canonical_json(self.model_dump(mode="json"))
 
     def digest(self) -> str:
@@ -182,7 +191,7 @@ def _as_plain(value: object) -> Any:
 
 
 def canonical_json(value: Any) -> str:
-    """Serialise plain data to the same text for equal values."""
+    """Serialise plain data to the same text whatever the order of keys."""
     return json.dumps(
         value, ensure_ascii=False, sort_keys=True, separators=(",", ":"), allow_nan=False
     )

@@ -115,6 +115,11 @@ def test_what_json_cannot_hold_is_refused(number):
         Exact.parse({"number": number})
 
 
+def test_half_a_character_is_told_by_its_name_not_by_an_escape_that_nobody_wrote():
+    with pytest.raises(DataError, match="lone surrogate"):
+        Exact.parse({"number": "\ud800"})
+
+
 class Lean(LeanData):
     _left_out = ("count", "names", "flag")
 
@@ -173,3 +178,9 @@ def test_a_changed_copy_remembers_nothing_of_the_original():
     one = Doubled(number=2)
     assert one.twice == 4
     assert one.model_copy(update={"number": 5}).twice == 10
+
+
+def test_a_copy_does_not_take_a_misspelt_field_for_no_change():
+    with pytest.raises(DataError, match="token: is no field") as caught:
+        Usage().model_copy(update={"token": 1, "input_tokens": 2})
+    assert caught.value.noun == "usage"
