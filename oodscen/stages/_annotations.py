@@ -1,5 +1,6 @@
 """Annotations of a frame: boxes, visibility and classes of everything in the scene."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, ClassVar, Literal
@@ -22,6 +23,7 @@ from oodscen.driving._roads.projection import places
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies
 from oodscen.driving._sight.visibility import Eye, area, clipped
 from oodscen.errors import MissingExtra, SimulatorError, UsageError
+from oodscen.numerics._exact import wrapped
 from oodscen.protocols import Camera, Frame, State, camera_for
 
 CLASSES: dict[str, int] = {
@@ -242,7 +244,7 @@ def annotate(
         height=camera.height,
         focal_px=round(eye.focal, 6),
         camera_position=_rounded(eye.place),
-        camera_yaw=cast[0].solid.yaw,
+        camera_yaw=wrapped(cast[0].solid.yaw + math.radians(camera.yaw_deg)),
         camera_pitch_deg=camera.pitch_deg,
         actors=tuple(actors),
     )

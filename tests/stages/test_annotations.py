@@ -1,5 +1,6 @@
 """Annotations: what they say of a frame is what the frame shows."""
 
+import math
 from dataclasses import replace
 
 import cv2
@@ -80,6 +81,23 @@ def test_the_projected_box_holds_the_visible_one(notes):
     assert deer.truncation == 0.0
     for index, (visible, projected) in enumerate(zip(deer.box, deer.box_projected, strict=True)):
         assert visible == pytest.approx(projected, abs=1.5), index
+
+
+@pytest.mark.parametrize(
+    "camera",
+    [CAMERA, CAMERA.behind(), Camera(x=1.2, y=-0.8, pitch_deg=15.0, yaw_deg=40.0)],
+    ids=("ahead", "behind", "turned"),
+)
+def test_the_pose_of_the_camera_takes_places_of_the_world_into_its_axes(camera):
+    with FlatSimulator() as simulator:
+        state = simulator.reset(SCENE, 0)
+        notes = SCENE.annotate(simulator.render(camera), state, simulator.catalogue(), camera)
+    cos, sin = math.cos(notes.camera_yaw), math.sin(notes.camera_yaw)
+    level, down = (f(math.radians(notes.camera_pitch_deg)) for f in (math.cos, math.sin))
+    axes = [(sin, -cos, 0.0), (-cos * down, -sin * down, -level), (cos * level, sin * level, -down)]
+    for one in notes.actors:
+        expected = np.array(axes) @ np.subtract(one.centre_world, notes.camera_position)
+        assert one.centre_camera == pytest.approx(expected, abs=1e-3)
 
 
 def test_what_is_hidden_behind_or_cut_off_says_so(notes):
