@@ -7,11 +7,7 @@ import math
 
 from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.bodies import GRAVITY, Situation
-from oodscen.driving._roads.track import (
-    bend,
-    centre,
-    curvature,
-)
+from oodscen.driving._roads.track import centre, curvature, stretch
 from oodscen.numerics._exact import atan2, cos, quantised, sincos, wrapped
 from oodscen.numerics._kernels import part
 
@@ -68,9 +64,8 @@ def accelerate(w: Situation, i: int, acceleration: float) -> float:
 def move(w: Situation, i: int, distance: float) -> None:
     """Move along the actor's own heading relative to the road."""
     s, t = w.state[i, col.S], w.state[i, col.T]
-    stretch = max(0.2, 1.0 - bend(w.track, s) * t)
     sine, cosine = sincos(w.state[i, col.HEADING])
-    w.state[i, col.S] = quantised(s + distance * cosine / stretch)
+    w.state[i, col.S] = quantised(s + distance * cosine / stretch(w.track, s, t))
     w.state[i, col.T] = quantised(t + distance * sine)
 
 
@@ -82,9 +77,8 @@ def keep_lane(w: Situation, i: int, distance: float, blend: float, shift: float)
     """
     state, direction = w.state, w.codes[i, col.DIRECTION]
     s, t, heading = state[i, col.S], state[i, col.T], state[i, col.HEADING]
-    stretch = max(0.2, 1.0 - bend(w.track, s) * t)
     along = distance * abs(cos(heading))
-    s = quantised(s + direction * along / stretch)
+    s = quantised(s + direction * along / stretch(w.track, s, t))
     state[i, col.S] = s
     own = centre(w.track, w.codes[i, col.LANE], s) + w.traits[i, col.OFFSET]
     wanted = own * (1.0 - blend) + shift

@@ -21,6 +21,7 @@ from oodscen.driving._roads.track import (
     locate,
     neighbour,
     point,
+    stretch,
 )
 from oodscen.numerics._exact import atan2, quantised, sincos, wrapped
 from oodscen.numerics._kernels import Kernel, Numbers, part
@@ -202,7 +203,7 @@ def look(w: Situation, lane: int) -> SeenRoad:
             break
     beside_left, beside_right = neighbour(track, here, s, 1), neighbour(track, here, s, -1)
     _, _, _, cosine, sine = point(track, s, 0.0)
-    stretch = max(0.2, 1.0 - bend(track, s) * t)
+    along = stretch(track, s, t)
     slope, _ = lane_course(w, lane, s)
     preview = s + max(1.0, 0.2 * w.state[0, col.SPEED])
     _, turn = lane_course(w, lane, preview)
@@ -216,8 +217,8 @@ def look(w: Situation, lane: int) -> SeenRoad:
     return SeenRoad(
         speed,
         t - middle,
-        wrapped(w.state[0, col.YAW] - atan2(sine, cosine) - atan2(slope, stretch)),
-        curvature(track, preview, t) + turn / (stretch * stretch),
+        wrapped(w.state[0, col.YAW] - atan2(sine, cosine) - atan2(slope, along)),
+        curvature(track, preview, t) + turn / (along * along),
         math.inf if beside_left < 0 else centre(track, beside_left, s) - middle,
         -math.inf if beside_right < 0 else centre(track, beside_right, s) - middle,
         roadside,

@@ -184,10 +184,15 @@ def bend(track: Track, s: float) -> float:
 
 
 @part
+def stretch(track: Track, s: float, t: float) -> float:
+    """Return the length of the line at a constant offset `t` per metre of the reference line, at least 0.2."""
+    return max(0.2, 1.0 - bend(track, s) * t)
+
+
+@part
 def curvature(track: Track, s: float, t: float) -> float:
     """Return the curvature of the line at a constant offset `t`, 1/m."""
-    own = bend(track, s)
-    return own / max(0.2, 1.0 - own * t)
+    return bend(track, s) / stretch(track, s, t)
 
 
 @part
