@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
@@ -21,7 +22,7 @@ from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import DRIVABLE, Corridor
 from oodscen.driving._roads.projection import places
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies
-from oodscen.driving._sight.visibility import Eye, area, clipped
+from oodscen.driving._sight.visibility import Eye, UprightBox, area, clipped
 from oodscen.errors import MissingExtra, SimulatorError, UsageError
 from oodscen.numerics._exact import wrapped
 from oodscen.protocols import Camera, Frame, State, camera_for
@@ -48,6 +49,8 @@ DEPTH_STEP_M = 0.01
 
 _ON_ROAD_M = 0.3
 """Maximum distance, in metres, of a point of the road surface from the modelled surface."""
+_SLACK_M = 1.0
+"""Length by which twice a body's box is enlarged on each axis, where a frame may show the body, m."""
 _CHUNK = 20_000
 """Number of points that are located on the road at once."""
 
@@ -128,19 +131,15 @@ class FrameAnnotations(Data):
             camera: The camera that rendered the frame; by default the ego's dash camera.
 
         Raises:
-            UsageError: If the state is one of another scene, or the frame is one of another camera.
+            UsageError: If the state is one of another scene, or the frame cannot be one of the camera and the state.
         """
-        state_of(scene, state)
-        camera = camera_for(catalogue, camera)
-        frame = _checked(frame, camera, len(state.ids))
-        cast = bodies(scene, catalogue, state.poses)
+        frame, camera, eye, cast = _seen(frame, state, scene, catalogue, camera)
         assets = {asset.id: asset for asset in catalogue.for_scene(scene).assets}
         # By the value in `Frame.ids`: 0 is no body, 1 the ego, then the actors in order.
         by_id = [CLASSES["scenery"], CLASSES["ego"]]
         by_id += [CLASSES[assets[body.asset].category] for body in cast[1:]]
         classes: NDArray[np.uint8] = np.array(by_id, np.uint8)[frame.ids]
         classes[(frame.ids == 0) & ~np.isfinite(frame.depth)] = CLASSES["sky"]
-        eye = Eye(camera, cast[0].solid)
         rows, columns = np.nonzero((frame.ids == 0) & np.isfinite(frame.depth))
         x, y, z = _points(eye, camera, frame.depth, rows, columns)
         corridor = load_corridor(scene.map, catalogue)
@@ -202,16 +201,63 @@ class FrameAnnotations(Data):
         }
 
 
-def _checked(frame: Frame, camera: Camera, bodies: int) -> Frame:
-    """Return a frame whose arrays are those of the camera's picture of so many bodies.
+def _seen(
+    frame: Frame, state: State, scene: Scene, catalogue: Catalogue, camera: Camera | None
+) -> tuple[Frame, Camera, Eye, Sequence[PlacedBody]]:
+    """Return a frame, its camera and its eye, and the bodies that it may show.
 
     Raises:
-        UsageError: If they are not.
+        UsageError: If the state is one of another scene, the frame has another size or other bodies, or a body is seen
+            where it cannot be.
     """
+    state_of(scene, state)
+    camera = camera_for(catalogue, camera)
     try:
-        return own_frame(frame, camera, bodies, "frame: the simulator")
+        frame = own_frame(frame, camera, len(state.ids), "frame: the simulator")
     except SimulatorError as error:
         raise UsageError(f"{error}; name the camera that rendered it, and its scene") from None
+    cast = bodies(scene, catalogue, state.poses)
+    eye = Eye(camera, cast[0].solid)
+    for row, body in enumerate(cast[1:], start=1):
+        if not _is_possible(frame, row + 1, eye, _enlarged(body.solid)):
+            raise UsageError(
+                f"frame shows {body.id!r} where the state does not have it; name the camera that rendered it, its "
+                "scene and its state"
+            )
+    return frame, camera, eye, cast
+
+
+def _enlarged(body: UprightBox) -> UprightBox:
+    """Return a box that holds a body with whatever sticks out of its own."""
+    return replace(
+        body,
+        z=body.z - 0.5 * (body.height + _SLACK_M),
+        length=2.0 * body.length + _SLACK_M,
+        width=2.0 * body.width + _SLACK_M,
+        height=2.0 * body.height + _SLACK_M,
+    )
+
+
+def _is_possible(frame: Frame, instance: int, eye: Eye, body: UprightBox) -> bool:
+    """Return whether the pixels of a body, if there are any, meet its box in the picture and in depth."""
+    mask = frame.ids == instance
+    _, box = _extent(mask)
+    if box is None:
+        return True
+    outline = eye.silhouette(body)
+    if not outline:
+        return False
+    left, top, right, bottom = _around(outline)
+    ahead_m = [eye.to_camera(corner)[2] for corner in body.corners()]
+    depth_m = frame.depth[mask]
+    return bool(
+        box[0] <= right
+        and left <= box[2]
+        and box[1] <= bottom
+        and top <= box[3]
+        and depth_m.min() <= max(ahead_m)
+        and min(ahead_m) <= depth_m.max()
+    )
 
 
 @checked
@@ -219,11 +265,7 @@ def annotate(
     frame: Frame, state: State, scene: Scene, catalogue: Catalogue, camera: Camera | None = None
 ) -> FrameAnnotations:
     """Annotate a frame; `Scene.annotate` tells arguments and errors."""
-    state_of(scene, state)
-    camera = camera_for(catalogue, camera)
-    frame = _checked(frame, camera, len(state.ids))
-    cast = bodies(scene, catalogue, state.poses)
-    eye = Eye(camera, cast[0].solid)
+    frame, camera, eye, cast = _seen(frame, state, scene, catalogue, camera)
     categories = {asset.id: asset.category for asset in catalogue.for_scene(scene).assets}
     actors = [
         _actor_annotation(

@@ -226,6 +226,21 @@ def test_a_frame_of_another_camera_is_refused(seen):
         FrameAnnotations.semantic_map(frame, state, SCENE, catalogue)
 
 
+@pytest.mark.parametrize(
+    ("camera", "ahead_m"),
+    [(CAMERA.behind(), 0.0), (replace(CAMERA, z=10.0), 0.0), (CAMERA, -6.0), (CAMERA, 6.0)],
+)
+def test_a_frame_that_shows_a_body_elsewhere_is_refused(seen, camera, ahead_m):
+    frame, state, catalogue = seen
+    poses = state.poses.copy()
+    poses[3, 0] += ahead_m
+    state = replace(state, poses=poses)
+    with pytest.raises(UsageError, match=r"frame shows '\w+' where"):
+        SCENE.annotate(frame, state, catalogue, camera)
+    with pytest.raises(UsageError, match=r"frame shows '\w+' where"):
+        FrameAnnotations.semantic_map(frame, state, SCENE, catalogue, camera)
+
+
 def test_notes_are_not_written_into_the_frames_of_a_study(seen, notes, tmp_path):
     (tmp_path / "study.json").write_text("{}")
     frame, _, _ = seen
