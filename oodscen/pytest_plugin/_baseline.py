@@ -1,12 +1,17 @@
 """The baseline: the outcomes of tests that are known, so that only regressions fail."""
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import ClassVar, Literal
 
 from oodscen._files import write_named, writing
+from oodscen._lock import locked
 from oodscen.data._base import Data
 from oodscen.errors import StudyError, UsageError
+
+_PATIENCE_S = 10.0
+"""Seconds to wait for another session that updates the same file."""
 
 Outcome = Literal["passed", "failed"]
 Change = Literal["same", "regression", "known", "improved", "new"]
@@ -53,10 +58,6 @@ class KnownOutcomes(Data):
             return "known" if outcome == "failed" else "same"
         return "regression" if outcome == "failed" else "improved"
 
-    def with_tests(self, tests: dict[str, KnownTest]) -> "KnownOutcomes":
-        """Return this baseline with some tests replaced or added."""
-        return KnownOutcomes(tests={**self.tests, **tests})
-
     def write(self, path: Path) -> None:
         """Write one line per test, in order of their ids.
 
@@ -70,3 +71,18 @@ class KnownOutcomes(Data):
         content = f'{{"schema_version": {self.schema_version}, "tests": {{\n{lines}\n}}}}\n'
         with writing(path, StudyError):
             write_named(path, content.encode())
+
+
+def update(path: Path, tests: Mapping[str, KnownTest]) -> None:
+    """Replace or add outcomes in a file, which other sessions may update meanwhile.
+
+    Raises:
+        DataError: If the file is malformed.
+        InUse: If another session does not let go of it.
+        StudyError: If it cannot be written.
+    """
+    with writing(path, StudyError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+    with locked(path, KnownOutcomes.noun, wait_s=_PATIENCE_S):
+        known = KnownOutcomes.load(path).tests if path.exists() else {}
+        KnownOutcomes(tests={**known, **tests}).write(path)

@@ -13,7 +13,7 @@ from oodscen._files import check_name
 from oodscen._study_files import refuse_inside
 from oodscen._text import printable
 from oodscen.errors import OodscenError, UsageError
-from oodscen.pytest_plugin._baseline import Change, KnownOutcomes, KnownTest, Outcome
+from oodscen.pytest_plugin._baseline import Change, KnownOutcomes, KnownTest, Outcome, update
 from oodscen.pytest_plugin._hooks import path_setting, setting
 from oodscen.pytest_plugin._subtests import Subtests
 
@@ -64,7 +64,7 @@ class DrivingSession:
         self._is_whole = False
         """True once all tests have run."""
         self._is_cut_short = False
-        """True once a process has died, or Ctrl-C or `pytest.exit` has come."""
+        """True once a process has died, or Ctrl-C, `pytest.exit` or the last failure that `-x` allows has come."""
         self._registered_marks: set[str] = set()
         try:
             self._bars = _parse_bars(setting(config, "oodscen_require"))
@@ -328,13 +328,16 @@ class DrivingSession:
     def pytest_sessionfinish(self, session: pytest.Session, exitstatus: int) -> None:
         """Grade the stacks, write the baseline, and fail the session where a stack does not meet the bars."""
         has_ended = exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
-        is_cut_short = session.shouldfail or session.shouldstop or self._is_cut_short
-        self._is_whole = has_ended and not is_cut_short
+        self._is_cut_short |= bool(session.shouldfail or session.shouldstop)
+        self._is_whole = has_ended and not self._is_cut_short
         if hasattr(self._config, "workerinput") or not self._is_whole or self._collects_only:
             return
         try:
-            if self._file is not None and self._mode != "compare" and self._tests:
-                self._baseline.with_tests(self._tests).write(self._file)
+            if self._file is not None and self._tests:
+                if self._mode == "update":
+                    update(self._file, self._tests)
+                elif self._mode == "write":
+                    KnownOutcomes(tests=self._tests).write(self._file)
             if self._bars and not self._meets():
                 session.exitstatus = pytest.ExitCode.TESTS_FAILED
         except OodscenError as error:  # The other hooks still have their reports to write.
@@ -376,7 +379,7 @@ class DrivingSession:
         if self._bars and not self._grades and not self._collects_only:
             lines.append(
                 "no stack drove a scene, so none can meet --oodscen-require"
-                if self._is_whole or not self._drives
+                if self._is_whole or not (self._drives or self._is_cut_short)
                 else "not all tests ran, so that no stack is graded by --oodscen-require"
             )
         if lines:

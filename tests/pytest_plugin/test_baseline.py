@@ -1,4 +1,5 @@
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -6,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen.errors import DataError, StudyError, UsageError
-from oodscen.pytest_plugin._baseline import KnownOutcomes, KnownTest
+from oodscen.pytest_plugin._baseline import KnownOutcomes, KnownTest, update
 
 known = st.builds(
     KnownTest, outcome=st.sampled_from(("passed", "failed")), scene=st.sampled_from("ab")
@@ -40,10 +41,26 @@ def test_only_a_failure_that_passed_in_the_same_scene_is_a_regression(before, no
     assert baseline.change("other", now.outcome, now.scene) == "new"
 
 
-@given(baselines, st.dictionaries(st.text(max_size=8), known, max_size=4))
-def test_an_update_replaces_the_tests_that_ran(baseline, found) -> None:
-    updated = baseline.with_tests(found)
-    assert updated.tests == {**baseline.tests, **found}
+@settings(max_examples=20)
+@given(st.lists(st.dictionaries(st.text(max_size=8), known, max_size=4), max_size=3))
+def test_an_update_replaces_the_tests_that_ran(sessions) -> None:
+    expected = {}
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "deep" / "baseline.json"
+        for tests in sessions:
+            update(path, tests)
+            expected |= tests
+            assert KnownOutcomes.at(path).tests == expected
+
+
+def test_sessions_that_update_at_once_lose_nothing(tmp_path) -> None:
+    path = tmp_path / "baseline.json"
+    names = [f"test_{number}" for number in range(24)]
+    with ThreadPoolExecutor(6) as sessions:
+        for name in names:
+            sessions.submit(update, path, {name: KnownTest(outcome="passed", scene="a")})
+    assert set(KnownOutcomes.at(path).tests) == set(names)
+    assert [file.name for file in tmp_path.iterdir()] == [path.name]
 
 
 @pytest.mark.parametrize(

@@ -270,6 +270,9 @@ def test_a_requirement_without_a_drive_fails_and_says_so(session, pytester):
     assert result.ret == pytest.ExitCode.TESTS_FAILED
     result.stdout.fnmatch_lines(["no stack drove a scene, *"])
     assert session("Blind", "--oodscen-require=safe>=0", "--collect-only").ret == 0
+    pytester.makepyfile(test_stack="def test_plain(): assert False\ndef test_more(): pass")
+    result = session("Blind", "--oodscen-require=safe>=0", "-x")
+    result.stdout.fnmatch_lines(["not all tests ran, *"])
 
 
 def test_a_baseline_holds_tests_whose_file_has_no_name_in_utf_8(session, pytester):
