@@ -189,7 +189,7 @@ class _Drives:
         try:
             plan = DrivePlan(scene, self.simulator, self.seed)
         except OodscenError as error:
-            return [failed_drive(scene.id, self.name, error)]
+            return self._failed(scene, error)
         result = self._one(scene, plan.steps)
         if not self.twins or scene.is_twin:
             return [result]

@@ -125,6 +125,19 @@ def test_a_twin_that_cannot_be_run_leaves_the_result_of_its_scene():
     assert (twin.id, twin.status, twin.is_twin) == ("example-001~twin@blind", "failed", True)
 
 
+def test_a_scene_that_cannot_be_run_has_the_result_of_its_twin_as_well(simulator):
+    lost = example_scene().model_copy(update={"id": "lost", "map": "nowhere"})
+    results = drive([lost, example_scene()], Cruise, simulator, name="blind")
+    assert [(one.id, one.status) for one in results] == [
+        ("lost@blind", "failed"),
+        ("lost~twin@blind", "failed"),
+        ("example-001@blind", "ok"),
+        ("example-001~twin@blind", "ok"),
+    ]
+    (alone,) = drive([lost], Cruise, simulator, name="blind", twins=False)
+    assert alone == results[0]
+
+
 @pytest.mark.parametrize("member", ["reset", "step", "observe", "render"])
 def test_a_simulator_that_crashes_during_a_drive_is_not_the_driver_s_fault(member):
     class Sees(Cruise):
