@@ -14,6 +14,7 @@ from oodscen.gymnasium._acting import ActionDecoder
 from oodscen.gymnasium._interface import ActionKind, Interface, ObservationKind, nearest_steps
 from oodscen.protocols import Camera, Control, Observation, State
 
+_KEYWORDS = frozenset({"deterministic", "state", "episode_start"})
 _ROUNDING_S = 1e-4
 """Difference of two times of a simulator that comes of rounding, s; less than the shortest step."""
 
@@ -23,8 +24,8 @@ class PolicyDriver(Brief):
 
     Args:
         policy: An object with `predict(observation)`, as of stable-baselines3, or a function of the
-            observation. It returns an action, or a tuple that begins with one; a recurrent `predict` gets its
-            state back.
+            observation. It returns an action, or a tuple that begins with one, and gets what it takes of
+            `deterministic=True`, `state`, which it returned last, and `episode_start`.
         observation: As in the environment in which the policy was trained.
         actions: As there.
         neighbours: As there.
@@ -124,10 +125,11 @@ class _PolicyFunction:
         if callable(predict):
             self.source = f"{type(policy).__name__}.predict()"
             """The method that returns the actions, for messages."""
-            self._function, self._keywords = predict, _keywords_of(predict)
+            self._function = predict
         else:
             self.source = f"{getattr(policy, '__name__', type(policy).__name__)}()"
-            self._function, self._keywords = policy, frozenset()
+            self._function = policy
+        self._keywords = _keywords_of(self._function)
         self._memory: Any = None
 
     def __call__(self, observation: Any) -> Any:
@@ -147,8 +149,15 @@ class _PolicyFunction:
 
 
 def _keywords_of(function: Callable[..., Any]) -> frozenset[str]:
-    """Return the names of a function's parameters; none if they are not known."""
+    """Return which of the keywords of stable-baselines3's `predict` a function takes; none if that is not known.
+
+    A `predict` that takes any keyword passes them on.
+    """
     try:
-        return frozenset(inspect.signature(function).parameters)
+        parameters = inspect.signature(function).parameters
     except (TypeError, ValueError):
         return frozenset()
+    kinds = {parameter.kind for parameter in parameters.values()}
+    if inspect.Parameter.VAR_KEYWORD in kinds and getattr(function, "__name__", "") == "predict":
+        return _KEYWORDS
+    return _KEYWORDS & parameters.keys()

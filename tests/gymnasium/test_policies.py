@@ -66,6 +66,33 @@ def test_a_policy_drives_as_in_its_environment(simulator):
     env.close()
 
 
+class Wrapped:
+    def __init__(self, model):
+        self.model = model
+
+    def predict(self, observation, *args, **kwargs):
+        return self.model.predict(observation, *args, **kwargs)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        Wrapped,
+        lambda policy: Wrapped(policy).predict,
+        lambda policy: policy.predict,
+        lambda policy: (
+            lambda seen, state, deterministic: policy.predict(
+                seen, state, [state is None], deterministic
+            )
+        ),
+    ],
+)
+def test_a_recurrent_policy_keeps_its_state_however_it_is_passed_on(simulator, given):
+    policy = Careful()
+    drive([example_scene()], lambda: PolicyDriver(given(policy)), simulator, name="p", twins=False)
+    assert policy.states[:3] == [(None, True), (1, False), (2, False)]
+
+
 @given(st.integers(1, 60), st.sampled_from([0.0, 0.01, 0.02, 0.025, 0.04]))
 @settings(max_examples=20, deadline=None)
 def test_an_action_holds_as_long_as_in_the_environment_or_is_refused(simulator, steps, more):
