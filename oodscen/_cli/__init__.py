@@ -9,6 +9,7 @@ import shlex
 import signal
 import sys
 import threading
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from types import FrameType
@@ -52,6 +53,8 @@ from oodscen.llm._remote.offline import enforce
 os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 
 
+_ONE_S = 0.1
+"""Seconds within which further signals are the same: `timeout` and service managers signal a process and its group."""
 _ORDER = "oodscen.order"
 """The key in a click context for the arguments after the program's name."""
 
@@ -151,6 +154,9 @@ def _interruptible() -> Iterator[None]:
     received: list[int] = []
 
     def interrupt(number: int, frame: FrameType | None) -> None:
+        for handled in handlers:
+            signal.signal(handled, signal.SIG_IGN)
+        time.sleep(_ONE_S)
         for handled in handlers:
             signal.signal(handled, signal.SIG_DFL)
         handlers[signal.SIGALRM] = signal.getsignal(signal.SIGALRM)

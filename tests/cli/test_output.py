@@ -4,6 +4,7 @@ import json
 import os
 import signal
 import stat
+import subprocess
 import sys
 import threading
 from contextlib import suppress
@@ -209,6 +210,29 @@ def test_a_fork_of_the_command_ends_at_a_signal_without_a_word(capfd):
     with _interruptible():
         assert ended_fork() == -signal.SIGTERM
     assert capfd.readouterr().err == ""
+
+
+TWICE = """
+import os, signal, threading, time
+from oodscen._cli import _interruptible
+
+def signals():
+    for _ in range(2):
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(0.02)
+
+try:
+    with _interruptible():
+        threading.Thread(target=signals).start()
+        time.sleep(60)
+except KeyboardInterrupt:
+    print("interrupted once")
+"""
+
+
+def test_a_signal_that_comes_twice_at_once_is_one():
+    done = subprocess.run([sys.executable, "-c", TWICE], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout) == (0, "interrupted once\n"), done.stderr
 
 
 @pytest.mark.parametrize("is_told", [True, False])
