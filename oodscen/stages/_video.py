@@ -8,7 +8,7 @@ import numpy as np
 
 from oodscen._arguments import checked
 from oodscen._files import read_bytes, temporary_folder, write_named, writing
-from oodscen._members import as_catalogue, conforming
+from oodscen._members import as_catalogue, conforming, working
 from oodscen._numbers import finite_number, seed_number
 from oodscen._progress import Progress, reporting
 from oodscen._registry import make_driver
@@ -147,7 +147,8 @@ def record(
         Video(path, fps=1.0 / (stride * simulator.dt)) as video,
         scene_copy(scene, simulator.name) as copy,
     ):
-        state = simulator.reset(copy, seed)
+        with working("simulator", simulator.name):
+            state = simulator.reset(copy, seed)
         while True:
             if not is_decided and (
                 state.time >= MAX_APPROACH_S or is_due(scene.decision, None, state, corridor)
@@ -163,7 +164,9 @@ def record(
                 report_progress("record", state.step, state.step)
                 break
             report_progress("record", state.step, max(state.step + 1, round(end / simulator.dt)))
-            state = simulator.step(steering.control(state))
+            control = steering.control(state)
+            with working("simulator", simulator.name):
+                state = simulator.step(control)
         return video.path
 
 
@@ -178,7 +181,8 @@ def _picture(
     """Return one frame of a video: the ego's view, the view from above, or both side by side."""
     if view == "bird":
         return birds_eye(state, scene, catalogue)
-    frame = render_checked(simulator, camera, len(state.ids))
+    with working("simulator", simulator.name):
+        frame = render_checked(simulator, camera, len(state.ids))
     if view == "ego":
         return frame.rgb
     above = birds_eye(state, scene, catalogue, size=camera.height)

@@ -7,7 +7,7 @@ import pytest
 from oodscen.data._scene import Trigger
 from oodscen.driving._drivers.rule_based import RuleBasedDriver
 from oodscen.driving._motion.actions import Cruise
-from oodscen.errors import FolderTaken, OodscenError, UnknownComponent, UsageError
+from oodscen.errors import FolderTaken, OodscenError, SimulatorCrash, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Control
 from oodscen.stages._drive import drive
 from oodscen.stages._video import Video
@@ -118,6 +118,18 @@ def test_a_driver_that_fails_leaves_the_earlier_video(flat, tmp_path, control):
             example_scene().record(flat, path, driver=Failing(control), view="bird", fps=20)
     assert earlier.read_text() == "earlier"
     assert list(tmp_path.iterdir()) == [earlier]
+
+
+@pytest.mark.parametrize("member", ["reset", "step", "observe", "render"])
+def test_a_simulator_that_crashes_is_told_of_as_such(tmp_path, member):
+    def crash(*arguments):
+        raise ValueError("no road")
+
+    with FlatSimulator() as simulator:
+        setattr(simulator, member, crash)
+        with pytest.raises(SimulatorCrash, match="no road"):
+            example_scene().record(simulator, tmp_path / "a.mp4")
+    assert not (tmp_path / "a.mp4").exists()
 
 
 def test_what_is_no_driver_is_refused_before_anything_is_written(flat, tmp_path):
