@@ -268,7 +268,7 @@ class SceneUses:
             camera: The camera that rendered the frame; by default the ego's dash camera.
 
         Raises:
-            UsageError: If the state is one of another scene, or the frame is one of another camera.
+            UsageError: If the state is one of another scene, or the frame cannot be one of the camera and the state.
         """
         from oodscen.stages._annotations import annotate
 
