@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from oodscen._files import unreadable
 from oodscen.errors import DataError, Issue, MissingExtra, UsageError
 
 if TYPE_CHECKING:
@@ -189,17 +190,21 @@ def read(path: Path) -> "pa.Table":
     """
     pa = _pyarrow()
     try:
-        if path.suffix == ".parquet":
-            import pyarrow.parquet as parquet
+        file = path.open("rb")
+    except (OSError, ValueError) as error:
+        raise unreadable("trace", path, error) from None
+    try:
+        with file:
+            if path.suffix == ".parquet":
+                import pyarrow.parquet as parquet
 
-            return parquet.read_table(path)
-        if path.suffix == ".arrow":
-            with pa.OSFile(str(path), "rb") as file:
+                return parquet.read_table(file)
+            if path.suffix == ".arrow":
                 return pa.ipc.open_file(file).read_all()
-        import pyarrow.csv as csv
+            import pyarrow.csv as csv
 
-        options = csv.ConvertOptions(column_types={"id": pa.string()})
-        return csv.read_csv(path, convert_options=options)
+            options = csv.ConvertOptions(column_types={"id": pa.string()})
+            return csv.read_csv(file, convert_options=options)
     except (OSError, pa.ArrowException) as error:
         raise DataError("trace", [Issue("", str(error))], source=str(path)) from None
 

@@ -140,9 +140,11 @@ def test_files_that_are_no_trace_are_refused(trace, tmp_path):
         Trace.load(tmp_path / "b.csv")
     assert "id" in {issue.path for issue in caught.value.issues}
     (tmp_path / "c.parquet").write_bytes(b"nothing")
-    for name in ("c.parquet", "missing.parquet"):
-        with pytest.raises(DataError):
-            Trace.load(tmp_path / name)
+    with pytest.raises(DataError, match="malformed trace"):
+        Trace.load(tmp_path / "c.parquet")
+    for suffix in ("parquet", "arrow", "csv"):
+        with pytest.raises(DataError, match="unreadable trace .*\n.*No such file"):
+            Trace.load(tmp_path / f"missing.{suffix}")
 
 
 @pytest.mark.parametrize(
