@@ -59,7 +59,9 @@ class DriverPolicy(Brief):
         if env.state is None or env.driver_observation is None:
             raise UsageError("a driver's policy: call the environment's reset() first")
         if self._driver is None or self._episode != env.episode:
-            self._driver, self._episode = conforming("driver", self._make()), env.episode
+            with working("driver", getattr(self._make, "__name__", type(self._make).__name__)):
+                self._driver = conforming("driver", self._make())
+            self._episode = env.episode
         assert self._driver is not None
         seen = env.driver_observation
         if getattr(self._driver, "wants_frames", False):

@@ -143,7 +143,7 @@ def test_files_that_are_no_trace_are_refused(trace, tmp_path):
     with pytest.raises(DataError, match="malformed trace"):
         Trace.load(tmp_path / "c.parquet")
     for suffix in ("parquet", "arrow", "csv"):
-        with pytest.raises(DataError, match="unreadable trace .*\n.*No such file"):
+        with pytest.raises(DataError, match=r"unreadable trace .*\n.*No such file"):
             Trace.load(tmp_path / f"missing.{suffix}")
 
 

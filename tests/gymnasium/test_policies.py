@@ -221,3 +221,12 @@ def test_a_driver_in_an_environment_is_checked_and_may_see_pictures():
     with pytest.raises(UsageError, match=r"Sees\.act\(\)"):
         policy(seen)
     env.close()
+
+
+@pytest.mark.parametrize("make", [lambda: {}["key"], lambda: None])
+def test_a_driver_that_cannot_be_made_is_told_of(make):
+    env = SceneEnv(scenes=[example_scene()])
+    seen, _ = env.reset(seed=0)
+    with pytest.raises(UsageError, match="driver"):
+        env.policy(make)(seen)
+    env.close()
