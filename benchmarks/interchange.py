@@ -34,17 +34,13 @@ from oodscen.driving._motion.boxes import Footprint, gap
 from oodscen.driving._motion.triggers import is_due
 from oodscen.driving._roads.building import load_corridor
 from oodscen.interchange import read_openscenario, verdict
-from oodscen.interchange._recording import (
-    RecordedRun,
-    UnrenderedSimulator,
-    ordinary_twin,
-    reactions,
-    replayed,
-)
+from oodscen.interchange._moving import UnrenderedSimulator
+from oodscen.interchange._recording import RecordedRun, ordinary_twin, replayed
 from oodscen.interchange._traces.osi_writing import osi_trace
 from oodscen.interchange._verdicts.poses import PlayedPoses
 from oodscen.interchange._verdicts.verdict import PlayedVerdict
 from oodscen.interchange._writing.entities import entities
+from oodscen.interchange._writing.reactions import reactions
 from oodscen.interchange._writing.reactive import followers
 from oodscen.interchange._writing.replay import write_course
 from oodscen.interchange._writing.scenario import to_openscenario

@@ -8,7 +8,7 @@ from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import scene_of, twin_id
 from oodscen.data._scene import Scene
 from oodscen.errors import UsageError
-from oodscen.interchange._recording import moving
+from oodscen.interchange._moving import moving
 from oodscen.judging._drive_board import current_results
 from oodscen.protocols import Simulator
 from oodscen.stages._drive import DrivePlan, is_needless, paired

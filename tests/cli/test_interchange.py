@@ -15,7 +15,8 @@ from oodscen._cli.export_folder import LIST
 from oodscen._members import using
 from oodscen.data._pairing import kind_of
 from oodscen.interchange import read_openscenario
-from oodscen.interchange._recording import UnrenderedSimulator, ordinary_twin, replayed
+from oodscen.interchange._moving import UnrenderedSimulator
+from oodscen.interchange._recording import ordinary_twin, replayed
 from oodscen.interchange._traces.osi_reading import read_osi_trace
 from oodscen.interchange._verdicts.poses import read_poses
 from tests.interchange.playing import centres

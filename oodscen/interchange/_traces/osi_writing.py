@@ -11,7 +11,8 @@ from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._reactions import NOMINAL_REACTION_S
 from oodscen.data._scene import Scene
 from oodscen.errors import UnknownComponent
-from oodscen.interchange._recording import RecordedRun, moving, replayed
+from oodscen.interchange._moving import moving
+from oodscen.interchange._recording import RecordedRun, replayed
 from oodscen.interchange._traces.mcap_files import mcap_trace
 from oodscen.interchange._traces.wire import (
     message_field,

@@ -20,7 +20,8 @@ from oodscen.driving._motion.actions import is_available
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import MissingExtra
-from oodscen.interchange._recording import RecordedRun, action_states, moving, replayed
+from oodscen.interchange._moving import moving
+from oodscen.interchange._recording import RecordedRun, action_states, replayed
 from oodscen.interchange._writing.entities import Entity, entities
 from oodscen.numerics._exact import Floats
 from oodscen.protocols import Camera, Frame, Simulator, State, camera_for

@@ -3,9 +3,9 @@
 from oodscen.data._scene import Actor, Scene
 from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER, WITHOUT_TRIGGER
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.interchange._recording import Reactions
 from oodscen.interchange._writing.elements import Element, child, within
 from oodscen.interchange._writing.entities import Entity
+from oodscen.interchange._writing.reactions import Reactions
 from oodscen.interchange._writing.replay import write_course
 from oodscen.interchange._writing.storyboard import Storyboard, event, write_speed, write_start
 from oodscen.interchange._writing.trajectories import (

@@ -14,7 +14,8 @@ from oodscen.data._scene import Scene
 from oodscen.driving._checked_simulator import moves_as_world
 from oodscen.driving._roads.building import load_corridor
 from oodscen.errors import SceneError, UnknownComponent, UsageError
-from oodscen.interchange._recording import Reactions, moving, reactions, replayed
+from oodscen.interchange._moving import moving
+from oodscen.interchange._recording import replayed
 from oodscen.interchange._writing.elements import Element, child, document, file_header, to_bytes
 from oodscen.interchange._writing.entities import entities, write_entity
 from oodscen.interchange._writing.files import ScenarioFile
@@ -27,6 +28,7 @@ from oodscen.interchange._writing.properties import (
     write_digest,
     write_properties,
 )
+from oodscen.interchange._writing.reactions import Reactions, reactions
 from oodscen.interchange._writing.reactive import approximate, write_reactive
 from oodscen.interchange._writing.replay import write_replay
 from oodscen.interchange._writing.roads import road_file

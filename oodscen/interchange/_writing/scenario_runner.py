@@ -12,7 +12,6 @@ from oodscen.data._scene import Actor, Scene
 from oodscen.driving._motion.behaviours import BUILT_IN
 from oodscen.driving._roads.corridor import Corridor, ego_strip, neighbour_strip
 from oodscen.errors import Issue, SceneError
-from oodscen.interchange._recording import Reactions
 from oodscen.interchange._writing.elements import Element, Value, child, within
 from oodscen.interchange._writing.entities import (
     AXLE_SHARE,
@@ -24,6 +23,7 @@ from oodscen.interchange._writing.entities import (
     write_chassis,
 )
 from oodscen.interchange._writing.environment import write_environment
+from oodscen.interchange._writing.reactions import Reactions
 from oodscen.interchange._writing.reactive import followers
 from oodscen.interchange._writing.storyboard import event, maneuver_group, write_speed
 from oodscen.interchange._writing.triggers import at_time, of_entity

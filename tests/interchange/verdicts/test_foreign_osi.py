@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from oodscen.errors import DataError
 from oodscen.interchange import verdict
-from oodscen.interchange._recording import UnrenderedSimulator, replayed
+from oodscen.interchange._moving import UnrenderedSimulator
+from oodscen.interchange._recording import replayed
 from oodscen.interchange._traces.wire import (
     message_field,
     number_field,

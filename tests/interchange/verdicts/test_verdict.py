@@ -11,7 +11,8 @@ from oodscen.data._episode import ACTIONS
 from oodscen.driving._roads.building import find_map, load_corridor
 from oodscen.errors import DataError
 from oodscen.interchange import verdict
-from oodscen.interchange._recording import UnrenderedSimulator, replayed
+from oodscen.interchange._moving import UnrenderedSimulator
+from oodscen.interchange._recording import replayed
 from oodscen.interchange._traces.osi_writing import osi_trace
 from oodscen.interchange._verdicts.plausibility import (
     check_motion,

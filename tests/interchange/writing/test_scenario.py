@@ -7,10 +7,12 @@ from oodscen.data._motion import Motion
 from oodscen.driving._motion.actions import is_available
 from oodscen.driving._motion.behaviours import BEHAVIOURS, BUILT_IN
 from oodscen.errors import SceneError, UnknownComponent, UsageError
+from oodscen.interchange._moving import UnrenderedSimulator
 from oodscen.interchange._reading.scenario import read_openscenario
-from oodscen.interchange._recording import UnrenderedSimulator, reactions, replayed
+from oodscen.interchange._recording import replayed
 from oodscen.interchange._tags import scene_tags
 from oodscen.interchange._traces.osi_writing import osi_trace
+from oodscen.interchange._writing.reactions import reactions
 from oodscen.interchange._writing.scenario import to_openscenario
 from oodscen.interchange._writing.scenario_runner import unplayable
 from oodscen.stages._simulate import approach

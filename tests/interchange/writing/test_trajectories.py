@@ -11,8 +11,8 @@ from lxml import etree
 
 from oodscen.data import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
 from oodscen.driving._roads.building import load_corridor
-from oodscen.interchange._recording import reactions
 from oodscen.interchange._writing.entities import entities
+from oodscen.interchange._writing.reactions import reactions
 from oodscen.interchange._writing.scenario import to_openscenario
 from oodscen.interchange._writing.trajectories import (
     own_position,
