@@ -18,7 +18,7 @@ from oodscen.driving._sight.scene_checks import PlacedBody, bodies
 from oodscen.errors import MissingExtra
 from oodscen.protocols import MAX_SIZE, State
 
-Image = NDArray[np.uint8]
+Pixels = NDArray[np.uint8]
 Colour = tuple[int, int, int]
 
 SIZE = 480
@@ -129,7 +129,7 @@ class BirdsEye(np.ndarray[Any, np.dtype[np.uint8]]):
 
 def _draw_road(
     cv2: Any,
-    picture: Image,
+    picture: Pixels,
     section: _Section,
     road: Corridor,
     span_m: float,
@@ -180,7 +180,7 @@ def _runs(holds: NDArray[np.bool_]) -> Sequence[slice]:
 
 
 def _draw_body(
-    cv2: Any, picture: Image, section: _Section, body: PlacedBody, colour: Colour, edge: Colour
+    cv2: Any, picture: Pixels, section: _Section, body: PlacedBody, colour: Colour, edge: Colour
 ) -> None:
     """Draw a footprint with an arrow-head at its front; small bodies are enlarged."""
     solid = body.solid

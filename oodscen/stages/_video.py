@@ -24,7 +24,7 @@ from oodscen.driving._motion.triggers import MAX_APPROACH_S, ROUNDING_S, is_due
 from oodscen.driving._roads.building import load_corridor
 from oodscen.errors import OodscenError, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Driver, Simulator, State, camera_for
-from oodscen.stages._birds_eye import Image, birds_eye, opencv
+from oodscen.stages._birds_eye import Pixels, birds_eye, opencv
 from oodscen.stages._steering import Steering, own_camera
 
 View = Literal["ego", "bird", "both"]
@@ -56,7 +56,7 @@ class Video:
         self._writer: Any = None
         self._folder: TemporaryDirectory[str] | None = None
 
-    def add(self, picture: Image) -> None:
+    def add(self, picture: Pixels) -> None:
         """Append one frame; all must have the size of the first.
 
         Raises:
@@ -177,7 +177,7 @@ def _picture(
     catalogue: Catalogue,
     camera: Camera,
     view: View,
-) -> Image:
+) -> Pixels:
     """Return one frame of a video: the ego's view, the view from above, or both side by side."""
     if view == "bird":
         return birds_eye(state, scene, catalogue)

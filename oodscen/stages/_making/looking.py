@@ -37,7 +37,7 @@ _TOWARDS_DEG, _ASIDE_DEG, _AWAY_DEG = 158.0, 115.0, 22.0
 _FIRST_ACTOR = 2
 """The value of the first actor in `Frame.ids`."""
 
-Image = NDArray[np.uint8]
+Pixels = NDArray[np.uint8]
 
 
 class PropView(Data):
@@ -70,7 +70,7 @@ class ShownProp:
     """A thing with its pictures, by day and by night at every distance."""
 
     look: PropLook
-    pictures: tuple[Image, ...]
+    pictures: tuple[Pixels, ...]
 
     def with_verdict(self, recognised: str, taken_for: str) -> "ShownProp":
         """Return the same pictures with the verdict of a vision model."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from oodscen.data._lettering import HEIGHT, strokes, width_of
 from oodscen.errors import UsageError
-from oodscen.stages._making.looking import DISTANCES_M, Image, ShownProp
+from oodscen.stages._making.looking import DISTANCES_M, Pixels, ShownProp
 
 _INK, _PAPER = 20, 250
 """Grey levels of a caption."""
@@ -14,7 +14,7 @@ _DOT_PX = 2
 """Side of one dot of a caption's letters, pixels."""
 
 
-def sheet(seen: Iterable[ShownProp], *, captions: bool = False, seed: int = 0) -> Image:
+def sheet(seen: Iterable[ShownProp], *, captions: bool = False, seed: int = 0) -> Pixels:
     """Return a picture with one row per thing: by day and by night, at three distances.
 
     Args:
@@ -42,7 +42,7 @@ def sheet(seen: Iterable[ShownProp], *, captions: bool = False, seed: int = 0) -
     return np.concatenate(strips)
 
 
-def views_of(seen: ShownProp) -> Image:
+def views_of(seen: ShownProp) -> Pixels:
     """Return a picture of one thing: by day above and by night below, at the three distances."""
     cells = [_middle(picture) for picture in seen.pictures]
     count = len(DISTANCES_M)
@@ -56,7 +56,7 @@ def row_order(count: int, seed: int) -> list[int]:
     return order
 
 
-def caption(text: str, width: int) -> Image:
+def caption(text: str, width: int) -> Pixels:
     """Return a line of black capitals on white."""
     image = np.full(((HEIGHT + 4) * _DOT_PX, width, 3), _PAPER, np.uint8)
     letters = (width // _DOT_PX - 4) // (width_of("AA") - width_of("A"))
@@ -66,7 +66,7 @@ def caption(text: str, width: int) -> Image:
     return image
 
 
-def _middle(image: Image) -> Image:
+def _middle(image: Pixels) -> Pixels:
     """Return the part of a picture around the road ahead, pixel by pixel."""
     height, width = image.shape[:2]
     return image[height * 3 // 16 : height * 11 // 16, width // 4 : width * 3 // 4]
