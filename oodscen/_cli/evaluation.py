@@ -12,6 +12,7 @@ import click
 
 from oodscen._cli.completion import ComponentName
 from oodscen._cli.options import (
+    LIMITS,
     json_option,
     judging_options,
     limit_options,
@@ -92,6 +93,7 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
     is 0 if all models meet, 4 if one fails, and 5 if none fails but the scenes are too few to decide.
     """
     from oodscen._pipeline import RunOptions, estimate, run_study
+    from oodscen._pipeline.answering import add_answers
     from oodscen._pipeline.dropping import drop_models
     from oodscen.judging._leaderboard.requirements import parse_requirement
     from oodscen.llm._accounting import Ledger
@@ -108,7 +110,7 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
     limits, ledger = limits_from(choices), Ledger()
     refuse_idle_prices(limits, *evaluation.models(study.config))
     if evaluation.dry_run:
-        rows = estimate(out, evaluation.configuration(study), RunOptions(limits=limits))
+        rows = estimate(out, evaluation.configuration(study.config), RunOptions(limits=limits))
         say(json.dumps([row.model_dump() for row in rows]) if as_json else estimated(rows))
         return
     click.get_current_context().with_resource(study.store.writing())
@@ -116,7 +118,8 @@ def evaluate(out: Path, as_json: bool, **choices: Any) -> None:
         for name, count in drop_models(study, evaluation.dropped).items():
             say(f"{name} is taken out with {count} verdicts; {_after_drop(name)}", err=True)
     judged_before = {verdict.id for verdict in study.stored_verdicts}
-    config = evaluation.configuration(study)
+    people = add_answers(study, evaluation.answers)
+    config = evaluation.configuration(study.config, people)
     asked_at = _asked_at(study) if evaluation.vlms else {}
     if evaluation.has_questions:
         with bars(ledger) as progress:
@@ -216,6 +219,8 @@ class _Evaluation:
             )
         if self.dry_run:
             refuse_idle("with --dry-run, which counts what was never asked", "retry_failed")
+        if not self.has_questions:
+            refuse_idle("with --drop and --require alone, which ask no model", *LIMITS)
         if not self.named_models:
             refuse_idle("without --vlm or --judge, whose server it names", "api_base")
         refuse_idle_server(*self.named_models)
@@ -257,18 +262,16 @@ class _Evaluation:
         remaining = [name for name in config.models if name not in self.dropped]
         return [*remaining, *self.named_models], {**config.servers, **self.servers}
 
-    def configuration(self, study: "Study") -> "StudyConfig":
-        """Return the configuration of a study that judges so too; a person's answers are added to the study."""
-        from oodscen._pipeline.answering import add_answers
+    def configuration(self, config: "StudyConfig", people: tuple[str, ...] = ()) -> "StudyConfig":
+        """Return the configuration of a study that judges so too, and these people's answers."""
         from oodscen.study._config import StudyConfig
 
-        config, is_paper = study.config, self.protocol == "paper"
         changes = {
-            "vlms": self.vlms or (config.vlms if is_paper else ()),
+            "vlms": self.vlms or (config.vlms if self.protocol == "paper" else ()),
             "protocols": (self.protocol,),
             "asked": {},
             "withheld": (self.vlms or config.vlms) if self.without_pictures else (),
-            "people": add_answers(study, self.answers),
+            "people": people,
             "judge": self.judge,
             "servers": self.servers,
             **{name: getattr(self, name) for name in self.chosen},

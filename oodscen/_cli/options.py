@@ -316,6 +316,11 @@ require_option = click.option(
     metavar="BARS",
     help='Grade the models, e.g. "safe>=0.9,needless<=0.05,notice>=0.8".',
 )
+LIMITS = (
+    "max_requests", "max_tokens", "max_cost", "max_seconds", "prices", "concurrency", "timeout",
+    "patience",
+)  # fmt: skip
+"""Parameters of `limit_options`."""
 limit_options = grouped_options(
     click.option(
         "--max-requests", type=click.IntRange(min=0), help="Maximum number of HTTP requests."
