@@ -111,7 +111,7 @@ def test_what_a_dropped_or_missing_person_needs_is_said_and_works(study, tmp_pat
 @pytest.mark.parametrize("limit", ["--max-requests", "--max-cost", "--timeout", "--concurrency"])
 def test_limits_are_refused_where_no_model_is_asked(study, limit) -> None:
     before = (study / "study.json").read_bytes()
-    for alone in ("--require", "success>=0.5"), ("--drop", "random"):
+    for alone in ("--require", "safe>=0.5"), ("--drop", "random"):
         refused = invoke("evaluate", study, *alone, limit, 5)
         assert refused.exit_code == 2
         assert f"{limit} has no effect" in refused.output
