@@ -162,9 +162,10 @@ class NoveltyReference(CaseAnswerer):
     """Measures the novelty of the last frame with classical vision, without any model.
 
     The features are means, spreads and edge strengths of a grid of cells in Lab colours. Novelty is the distance
-    to the nearest ordinary frames on *other maps*, so that the scene, its twin and its street are all unseen. A
-    frame is called OOD if its novelty exceeds the median novelty of the ordinary frames, each measured the same
-    way; the answer is then to stop, else to keep the speed. It cannot name what is unusual.
+    to the nearest ordinary frames on *other maps*, so that the scene, its twin and its street are all unseen; where
+    only one map has ordinary frames, to those of other scenes. A frame is called OOD if its novelty exceeds the
+    median novelty of the ordinary frames, each measured the same way; the answer is then to stop, else to keep the
+    speed. It cannot name what is unusual.
 
     Args:
         pictures: File of the last frame by scene id, of scenes and twins.
@@ -183,9 +184,11 @@ class NoveltyReference(CaseAnswerer):
         if not names:
             return
         rows = np.array([features(pictures[name]) for name in names])
-        map_names = np.array([maps[name] for name in names])
         ordinary = np.array([is_ordinary(name) for name in names])
-        novelty = _novelty(rows, map_names, ordinary)
+        groups = np.array([maps[name] for name in names])
+        if len(set(groups[ordinary])) < 2:
+            groups = np.array([scene_of(name) for name in names])
+        novelty = _novelty(rows, groups, ordinary)
         usual = np.sort(novelty[ordinary] if ordinary.any() else novelty)
         below = np.searchsorted(usual, novelty, side="left")
         up_to = np.searchsorted(usual, novelty, side="right")
@@ -234,13 +237,12 @@ def features(picture: Path) -> Features:
     return np.concatenate([part.ravel() for part in (mean, spread, edge)]).astype(np.float64)
 
 
-def _novelty(rows: Features, map_names: NDArray[np.str_], ordinary: NDArray[np.bool_]) -> Features:
-    """Return the [n] distances of pictures to the nearest ordinary ones on other maps; without any, on all."""
+def _novelty(rows: Features, groups: NDArray[np.str_], ordinary: NDArray[np.bool_]) -> Features:
+    """Return the [n] distances of pictures to the nearest ordinary ones of other groups; 0 without any."""
     novelty = np.zeros(len(rows))
-    for map_name in np.unique(map_names):
-        is_here = map_names == map_name
-        elsewhere = ordinary & ~is_here
-        others = elsewhere if elsewhere.any() else ordinary
+    for group in np.unique(groups):
+        is_here = groups == group
+        others = ordinary & ~is_here
         if others.any():
             novelty[is_here] = _distances(rows[is_here], rows[others])
     return novelty

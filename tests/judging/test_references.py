@@ -83,6 +83,25 @@ def test_a_frame_unlike_the_ordinary_ones_of_other_maps_is_novel(tmp_path: Path)
     assert all(0.5 <= answer.confidence <= 1 for answer in answers.values())
 
 
+@needs("cv2")
+@pytest.mark.parametrize("count", [1, 2, 4])
+def test_on_a_single_map_an_ordinary_frame_is_as_novel_as_one_that_differs_as_much(
+    tmp_path: Path, count: int
+) -> None:
+    import cv2
+
+    names = [f"x-{number:03d}{end}" for number in range(count) for end in ("", "~twin")]
+    pictures = {}
+    for place, name in enumerate(names):
+        picture = np.full((96, 128, 3), 90, np.uint8)
+        picture[36:44, 16 * place + 4 : 16 * place + 12] = 200  # Each lights one cell of the grid.
+        pictures[name] = tmp_path / f"{name}.png"
+        assert cv2.imwrite(str(pictures[name]), picture)
+    novelty = NoveltyReference(pictures, dict.fromkeys(names, "map"))
+    answers = {name: novelty.judge(references.Case(episode(name, ()))) for name in names}
+    assert all(answer == answers[scene_of(name)] for name, answer in answers.items())
+
+
 def test_without_pictures_nothing_is_novel(tmp_path: Path) -> None:
     novelty = NoveltyReference({"x-001": tmp_path / "missing.jpg"}, {"x-001": "map"})
     answers = novelty.judge(references.Case(episode("x-001", ())))
