@@ -109,7 +109,7 @@ def first_seen(
         eye = Eye(camera, cast[0].solid)
         for row, body in enumerate(cast):
             if body.id in scene.hazard.actors and body.id not in first:
-                others = _others(scene, cast, row)
+                others = [other.solid for other in _others(scene, cast, row)]
                 sight = eye.see(body.solid, others, corridor)
                 if sight.fault(scene.weather, camera) is None:
                     first[body.id] = moment
@@ -185,13 +185,16 @@ def _unseen(scene: Scene, corridor: Corridor, moments: Moments, camera: Camera) 
             continue
         largest = 0.0
         for moment, cast in moments.items():
-            sight = Eye(camera, cast[0].solid).see(
-                cast[row].solid, _others(scene, cast, row), corridor
+            eye, body, others = (
+                Eye(camera, cast[0].solid),
+                cast[row].solid,
+                _others(scene, cast, row),
             )
+            sight = eye.see(body, [other.solid for other in others], corridor)
             largest = max(largest, sight.area_px)
             fault = sight.fault(scene.weather, camera)
             is_hidden = fault is not None and fault.endswith("hidden")
-            by = _hider(cast, row, camera, corridor) if is_hidden else ""
+            by = _hider(eye, body, others, corridor) if is_hidden else ""
             reasons.setdefault(row, []).append(f"{_WHEN[moment]} {fault}{by}")
         if best is None or largest > best[0]:
             best = largest, row
@@ -202,20 +205,15 @@ def _unseen(scene: Scene, corridor: Corridor, moments: Moments, camera: Camera) 
     return Issue(f"actors[{row - 1}]", f"{actor_words} cannot be seen in any frame: {reason}{hint}")
 
 
-def _others(scene: Scene, cast: Sequence[PlacedBody], row: int) -> list[UprightBox]:
+def _others(scene: Scene, cast: Sequence[PlacedBody], row: int) -> list[PlacedBody]:
     """Return the bodies that may hide a body; its carrier is hollow and hides nothing."""
     carrier = scene.actors[row - 1].behaviour.other
-    return [body.solid for i, body in enumerate(cast) if i not in (0, row) and body.id != carrier]
+    return [body for i, body in enumerate(cast) if i not in (0, row) and body.id != carrier]
 
 
-def _hider(cast: Sequence[PlacedBody], row: int, camera: Camera, corridor: Corridor) -> str:
+def _hider(eye: Eye, body: UprightBox, others: Sequence[PlacedBody], corridor: Corridor) -> str:
     """Return the words for the thing that hides most of a body."""
-    eye, body = Eye(camera, cast[0].solid), cast[row].solid
-    shares = [
-        (eye.see(body, [placed_body.solid]).hidden, f" by {placed_body}")
-        for i, placed_body in enumerate(cast)
-        if i not in (0, row)
-    ]
+    shares = [(eye.see(body, [other.solid]).hidden, f" by {other}") for other in others]
     shares.append((eye.see(body, (), corridor).hidden, " by the crest of the road"))
     return max(shares, key=lambda share: share[0])[1]
 
@@ -225,7 +223,7 @@ def _nearer(
 ) -> str:
     """Return the words for the nearest place at which a body would be seen at the decision."""
     ego, body = cast[0].solid, cast[row].solid
-    eye, others = Eye(camera, ego), _others(scene, cast, row)
+    eye, others = Eye(camera, ego), [other.solid for other in _others(scene, cast, row)]
     s, t = corridor.locate(body.x, body.y)
     ego_s, _ = corridor.locate(ego.x, ego.y)
     lane = corridor.ego_lanes[min(scene.ego.lane, len(corridor.ego_lanes) - 1)]

@@ -83,6 +83,19 @@ def test_a_hazard_that_nobody_can_see_is_refused(scene_, words):
     assert "ahead_m" in issue.message
 
 
+def test_a_load_is_hidden_by_what_stands_before_it_not_by_what_carries_it():
+    scene_ = staged(
+        actor("load", "cardboard_box", ahead=62.0),
+        actor("lorry", "truck", ahead=62.0),
+        actor("bus", "bus", ahead=40.0),
+    )
+    scene_ = attached(scene_, 0, "lorry")
+    corridor, shown = moments(scene_)
+    (issue,) = truth_issues(scene_, corridor, shown)
+    assert "hidden by 'bus'" in issue.message
+    assert "lorry" not in issue.message
+
+
 def test_fog_that_hides_the_hazard_is_refused():
     thick = staged(actor("box", "cardboard_box", ahead=60.0), decision=Trigger(value=1.0))
     foggy = thick.model_copy(update={"weather": Weather(fog_visual_range_m=30.0)})
