@@ -18,16 +18,17 @@ A_NUMBER = BeforeValidator(no_truth_value)
 Metres = Annotated[float, Field(ge=-20, le=20), A_NUMBER]
 Length = Annotated[float, Field(gt=0, le=20), A_NUMBER]
 Degrees = Annotated[float, Field(ge=-360, le=360), A_NUMBER]
+Share = Annotated[float, Field(ge=0, le=1), A_NUMBER]
 Point = tuple[Metres, Metres, Metres]
 Pair = tuple[Metres, Metres]
 Corners = tuple[Point, Point, Point, Point]
 """Bottom left, bottom right, top right and top left, as a viewer sees them."""
 Rectangle = tuple[Metres, Metres, Metres, Metres, Metres]
 """x0, x1, y0, y1 and z of an upright box's lower or upper face."""
-Sides = Annotated[int, Field(ge=3, le=64)]
+Sides = Annotated[int, Field(ge=3, le=64), A_NUMBER]
 Caps = Literal["bt", "b", "t", ""]
 """The ends that are closed: bottom, top, both or none."""
-Key = Annotated[int, Field(ge=0, le=1_000_000)]
+Key = Annotated[int, Field(ge=0, le=1_000_000), A_NUMBER]
 
 
 class Part(Data):
@@ -95,9 +96,9 @@ class Tube(Part):
     colour: Colour
     second_colour: Colour | None = None
     """Colour of every other band of `pitch`, if it is banded."""
-    pitch: Annotated[float, Field(ge=0.05, le=5)] = 0.5
+    pitch: Annotated[float, Field(ge=0.05, le=5), A_NUMBER] = 0.5
     """Length of a band, m."""
-    sag: Annotated[float, Field(ge=0, le=4)] = 0.0
+    sag: Annotated[float, Field(ge=0, le=4), A_NUMBER] = 0.0
     """Distance by which the middle of every stretch hangs down, m."""
 
     def _check(self) -> None:
@@ -148,7 +149,7 @@ class Ball(Part):
     """Colour of every other patch, if it differs."""
     around: Sides = 8
     down: Sides = 5
-    jitter: Annotated[float, Field(ge=0, lt=1)] = 0.0
+    jitter: Annotated[float, Field(ge=0, lt=1), A_NUMBER] = 0.0
     """Fraction of the radius by which corners move in or out."""
     key: Key = 0
     """Seed of the jitter."""
@@ -204,15 +205,11 @@ class LampPart(Part):
     """A light that glows in the dark."""
 
     lamp: Point
-    light: tuple[
-        Annotated[float, Field(ge=0, le=1)],
-        Annotated[float, Field(ge=0, le=1)],
-        Annotated[float, Field(ge=0, le=1)],
-    ]
+    light: tuple[Share, Share, Share]
     """Red, green and blue, 0 to 1."""
     facing: Point = (0.0, 0.0, 0.0)
     """Direction of the beam, of any length; zero shines in all directions."""
-    power: Annotated[float, Field(gt=0, le=6)] = 1.0
+    power: Annotated[float, Field(gt=0, le=6), A_NUMBER] = 1.0
 
 
 class Panel(Part):
@@ -222,7 +219,7 @@ class Panel(Part):
     pattern: Literal["plain", "stripes", "checks", "planks", "bricks", "windows", "net", "speckle"]
     colour: Colour
     second_colour: Colour = "white"
-    pitch: Annotated[float, Field(ge=0.05, le=5)] = 0.25
+    pitch: Annotated[float, Field(ge=0.05, le=5), A_NUMBER] = 0.25
     """Width of a stripe, board, brick, window or mesh, m."""
     back: bool = True
     """True if it shows from behind as well."""
@@ -256,8 +253,8 @@ class Heap(Part):
     colour: Colour
     second_colour: Colour | None = None
     """Colour of every third lump, if it differs."""
-    lumps: Annotated[int, Field(ge=3, le=80)] = 30
-    rough: Annotated[float, Field(ge=0, le=0.5)] = 0.0
+    lumps: Annotated[int, Field(ge=3, le=80), A_NUMBER] = 30
+    rough: Annotated[float, Field(ge=0, le=0.5), A_NUMBER] = 0.0
     """0 for round lumps such as foam; 0.3 makes rubble."""
     key: Key = 0
 
@@ -271,8 +268,8 @@ class Veil(Part):
     colour: Colour
     form: Literal["cloud", "funnel", "jet"] = "cloud"
     """A `funnel` is thin below and wide above, a `jet` thin and dense."""
-    density: Annotated[float, Field(ge=0.05, le=1)] = 0.6
-    puffs: Annotated[int, Field(ge=3, le=40)] = 20
+    density: Annotated[float, Field(ge=0.05, le=1), A_NUMBER] = 0.6
+    puffs: Annotated[int, Field(ge=3, le=40), A_NUMBER] = 20
     bright: bool = False
     """True for fire and sparks."""
     key: Key = 0
@@ -284,11 +281,11 @@ class Swarm(Part):
     swarm: Point
     """Its middle."""
     size: tuple[Length, Length, Length]
-    speck: Annotated[float, Field(ge=0.02, le=0.5)]
+    speck: Annotated[float, Field(ge=0.02, le=0.5), A_NUMBER]
     """Size of a speck, m."""
     colour: Colour
     second_colour: Colour | None = None
-    count: Annotated[int, Field(ge=3, le=300)] = 80
+    count: Annotated[int, Field(ge=3, le=300), A_NUMBER] = 80
     key: Key = 0
 
 
@@ -299,9 +296,9 @@ class Blot(Part):
     """x and y of its middle."""
     size: tuple[Length, Length]
     colour: Colour
-    ragged: Annotated[float, Field(ge=0, le=0.5)] = 0.15
+    ragged: Annotated[float, Field(ge=0, le=0.5), A_NUMBER] = 0.15
     """Fraction by which the outline moves inwards."""
-    height: Annotated[float, Field(ge=0.005, le=0.07)] = 0.014
+    height: Annotated[float, Field(ge=0.005, le=0.07), A_NUMBER] = 0.014
     """Height above the road, m; of two that overlap the higher one shows."""
     key: Key = 0
 
@@ -310,11 +307,11 @@ class Strip(Part):
     """A line painted on the road."""
 
     strip: Annotated[tuple[Pair, ...], Field(min_length=2, max_length=32)]
-    width: Annotated[float, Field(ge=0.03, le=5)]
+    width: Annotated[float, Field(ge=0.03, le=5), A_NUMBER]
     colour: Colour
-    dash: Annotated[float, Field(ge=0, le=10)] = 0.0
+    dash: Annotated[float, Field(ge=0, le=10), A_NUMBER] = 0.0
     """Length of a dash and of a gap, m; 0 for an unbroken line."""
-    height: Annotated[float, Field(ge=0.005, le=0.07)] = 0.016
+    height: Annotated[float, Field(ge=0.005, le=0.07), A_NUMBER] = 0.016
 
     def _check(self) -> None:
         _check_apart(tuple((x, y, 0.0) for x, y in self.strip))
@@ -329,7 +326,7 @@ class BothSidesOf(Part):
 class RowOf(Part):
     """Parts repeated at equal steps."""
 
-    repeat: Annotated[int, Field(ge=2, le=64)]
+    repeat: Annotated[int, Field(ge=2, le=64), A_NUMBER]
     step: Point
     parts: tuple[Part, ...]
 
@@ -348,6 +345,10 @@ class ConditionOf(Part):
     """Words that must all apply: states of the thing."""
     parts: tuple[Part, ...]
     otherwise: tuple[Part, ...] = ()
+
+    def _check(self) -> None:
+        if not self.when.split():
+            raise ValueError("the condition names no state")
 
 
 class TurnedOf(Part):
@@ -371,7 +372,7 @@ class AssetPart(Part):
     """New place of the middle of its footprint."""
     roll: Degrees = 0.0
     yaw: Degrees = 0.0
-    scale: Annotated[float, Field(ge=0.1, le=5)] = 1.0
+    scale: Annotated[float, Field(ge=0.1, le=5), A_NUMBER] = 1.0
 
 
 class BothSides(BothSidesOf):

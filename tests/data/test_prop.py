@@ -1,5 +1,6 @@
 import copy
 import json
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -62,6 +63,7 @@ _FAULTS: list[tuple[str, Any]] = [
     ("parts", [{"text": "   ", "on": [[0, 1, 0], [0, -1, 0], [0, -1, 1], [0, 1, 1]]}]),
     ("parts", [{"text": "HELLO", "on": [[0, 1, 0], [0, 1, 0], [0, -1, 1], [0, 1, 1]]}]),
     ("parts", [{"when": "ajar", "parts": WALL["parts"]}]),
+    ("parts", [{"when": " ", "parts": WALL["parts"]}]),
     ("parts", WALL["parts"] * (MOST_PARTS + 1)),
     ("parts", [{"repeat": 64, "step": [0.01, 0, 0], "parts": [{"repeat": 64, "step": [0, 0.01, 0], "parts": WALL["parts"]}]}]),
     ("parts", [{"at": [[0, 0, 0]] * 9, "parts": [{"heap": [0, 0], "size": [2, 2, 1], "colour": "red", "lumps": 80}]}]),
@@ -86,6 +88,25 @@ def test_every_fault_is_found(field: str, value: object) -> None:
     with pytest.raises(DataError) as refused:
         Prop.parse({**WALL, field: value})
     assert any(issue.path.startswith(field) for issue in refused.value.issues)
+
+
+@settings(max_examples=40)
+@given(designs())
+def test_no_number_of_a_design_may_be_true_or_false(table: dict[str, Any]) -> None:
+    for holder, key in list(_numbers(table)):
+        number, holder[key] = holder[key], True
+        with pytest.raises(DataError, match="must not be true or false"):
+            Prop.parse(table)
+        holder[key] = number
+
+
+def _numbers(table: Any) -> Iterator[tuple[Any, Any]]:
+    """Yield where the numbers of plain data stand: a mapping or a list, and the key or the index."""
+    for key, value in table.items() if isinstance(table, dict) else enumerate(table):
+        if isinstance(value, (dict, list)):
+            yield from _numbers(value)
+        elif isinstance(value, (int, float)) and not isinstance(value, bool):
+            yield table, key
 
 
 def test_all_faults_are_told_at_once() -> None:
