@@ -98,7 +98,7 @@ def evaluate(
             `MODEL without pictures`. Neither in the paper's protocol nor for references.
 
     Raises:
-        UsageError: If there is no frame to ask about.
+        UsageError: If there is no frame to ask about, in the paper's protocol also none up to the decision.
         MissingExtra: If frames are to be encoded, and OpenCV is not installed.
     """
     is_paper = protocol == "paper"
@@ -116,11 +116,15 @@ def evaluate(
     shown = ShownDrive.of(episode, images, is_present=not is_paper, rear=behind)
     if withheld:
         shown = shown.without_pictures()
-    if is_paper and before is None:
+    if not is_paper:
+        before = None
+    elif before is None:
         before = ShownDrive(shown.images[:-1], DriveFacts())
+    if before is not None and not before.images:
+        raise UsageError("there is no frame of the drive up to the decision to ask about")
     answers = GivenAnswers(
         without_pictures(vlm.name) if withheld else vlm.name,
-        interview.answers(shown, before if is_paper else None, options),
+        interview.answers(shown, before, options),
         interview.failures,
         protocol,
         kind_of_answerer(vlm),

@@ -68,6 +68,15 @@ def test_a_model_is_not_asked_about_no_frame():
     assert not llm.requests
 
 
+def test_the_papers_action_is_not_asked_about_no_frame(frames):
+    llm = ScriptedLLM(answers())
+    for shown, before in (({"last": frames["last"]}, None), (frames, ShownDrive(()))):
+        with pytest.raises(UsageError, match="no frame of the drive up to the decision"):
+            evaluate(EPISODE, shown, llm, path=PATH, protocol="paper", before=before)
+    assert not llm.requests
+    assert evaluate(EPISODE, shown, llm, path=PATH, before=before).status == "ok"
+
+
 def test_both_tasks_are_scored(frames):
     verdict = evaluate(EPISODE, frames, ScriptedLLM(answers()), path=PATH)
     assert verdict.id == "x-001@scripted"
