@@ -19,6 +19,7 @@ Pitfall: off-topic text and gibberish are the most diverse of all. Apply a band,
 
 import math
 from collections.abc import Sequence
+from numbers import Real
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -81,8 +82,8 @@ def band(
     space: "BaselineSpace", texts: Sequence[str], low: float, high: float, definition: BandMeasure
 ) -> Band:
     """Return the texts whose OOD-ness lies in [low, high]; see `Metrics.band`."""
-    for name, bound in (("low", low), ("high", high)):
-        if bound not in (-math.inf, math.inf):
+    for name, bound, none in (("low", low, -math.inf), ("high", high, math.inf)):
+        if not (isinstance(bound, Real) and bound == none):
             finite_number(name, bound)
     if not low <= high:
         raise UsageError(f"the band's lower bound {low} is above its upper bound {high}")
@@ -94,8 +95,8 @@ def band(
     scored = [(index, value) for index, value in enumerate(values) if value is not None]
     inside = tuple(index for index, value in scored if low <= value <= high)
     return Band(
-        low=low if math.isfinite(low) else None,
-        high=high if math.isfinite(high) else None,
+        low=None if low == -math.inf else low,
+        high=None if high == math.inf else high,
         texts=tuple(texts[index] for index in inside),
         indices=inside,
         scores=tuple(values),

@@ -237,7 +237,13 @@ def test_a_band_may_be_open_but_not_reversed():
     metrics = Metrics(ENCODER, ["b"])
     band = metrics.band(["a", "c"], -math.inf, math.inf)
     assert (band.low, band.high, band.indices) == (None, None, (0, 1))
-    for low, high in ((0.5, 0.1), (math.nan, 0.0), (0.0, math.nan)):
+    for low, high in (
+        (0.5, 0.1),
+        (math.nan, 0.0),
+        (0.0, math.nan),
+        (math.inf, math.inf),
+        (-math.inf, -math.inf),
+    ):
         with pytest.raises(UsageError):
             metrics.band(["a"], low, high)
 
