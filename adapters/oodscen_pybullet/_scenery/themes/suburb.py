@@ -11,7 +11,7 @@ _FRONTS = ("hedge_front", "picket_front", "wall_front")
 
 
 def furnish_suburb(site: Site, is_night: bool) -> None:
-    """Add houses with gardens, a second row behind them, and street lamps."""
+    """Add houses with gardens, a second row behind them, street lamps, speed signs and trees."""
     streets = streets_of(site)
     for way in streets:
         for side in SIDES:
@@ -35,8 +35,9 @@ def _add_home(site: Site, spot: RoadsidePlace, is_night: bool) -> None:
     """Add a house with its garden."""
     rng = site.rng
     setback = 5.0 + float(rng.uniform(0, 1.6)) + HOUSE_M[1] / 2
-    mesh = any_house(site.rng, is_night=is_night)
-    style, has_car, paint = int(rng.integers(0, 4)), rng.uniform() < 0.4, int(rng.integers(0, 7))
+    mesh = any_house(rng, is_night=is_night)
+    front, has_car = int(rng.integers(0, len(_FRONTS) + 1)), rng.uniform() < 0.4
+    paint = int(rng.integers(0, len(_PAINTS)))
     x, y = spot.beside(0.0, setback)
     if site.is_spanned(spot):
         return
@@ -47,8 +48,8 @@ def _add_home(site: Site, spot: RoadsidePlace, is_night: bool) -> None:
         add_tree(site, spot, -4.5, 2.6, 3.5)
         return
     x, y = spot.beside(-1.8, 0.35)
-    if style < 3 and site.claim(x, y, spot.heading, 5.0, 0.3, margin=2.2):
-        site.stand(furniture.piece(_FRONTS[style]), spot, -1.8, 0.35)
+    if front < len(_FRONTS) and site.claim(x, y, spot.heading, 5.0, 0.3, margin=2.2):
+        site.stand(furniture.piece(_FRONTS[front]), spot, -1.8, 0.35)
     x, y = spot.beside(6.3, 4.6)
     if site.claim(x, y, spot.heading, 1.0, 4.2, margin=2.0):
         site.stand(furniture.piece("drive"), spot, 6.3, 0.0)
