@@ -88,7 +88,7 @@ def page_variables(study: Study, material: Material, bars: Sequence[Bar] = ()) -
         "material": material,
         "paper": paper,
         "is_builtin": is_builtin,
-        "seconds": _seconds(material.info),
+        "seconds": number(material.info, "seconds", "total"),
         "gaps": material.gaps,
         "opening": opening(material, board),
         "counts": _counts(material, [choice(episode) for episode in episodes]),
@@ -197,7 +197,7 @@ def _filters(scenes: Mapping[str, Any]) -> dict[str, list[str]]:
 def _counts(material: Material, choices: Sequence[str]) -> Counts:
     tally = Counter(choices)
     return Counts(
-        scenes=sum(not scene.is_ordinary for scene in material.scenes),
+        scenes=len(material.scenes),
         ran=len(choices),
         failed=sum(failure.stage != "verdicts" for failure in material.failures),
         unanswered=sum(failure.stage == "verdicts" for failure in material.failures),
@@ -228,7 +228,7 @@ def _call_rows(calls: Sequence[Mapping[str, Any]]) -> list[Account]:
 
 
 def _facts(info: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return the content of `study.json`, without the configuration, as flat pairs."""
+    """Return what only `study.json` tells, without the configuration, as flat pairs."""
     shown = {
         name: value
         for name, value in sorted(info.items())
@@ -244,8 +244,3 @@ def _flat(prefix: str, value: object) -> Iterator[tuple[str, str]]:
             yield from _flat(f"{prefix}.{key}" if prefix else str(key), item)
     elif value is not None:
         yield prefix, str(value)
-
-
-def _seconds(info: Mapping[str, Any]) -> float | None:
-    """Return the duration of the run, s."""
-    return number(info, "seconds", "total")
