@@ -48,11 +48,10 @@ class PlacedBody(NamedTuple):
     def at(self, scene: Scene, corridor: Corridor) -> str:
         """Return the body with its place as a placement relative to the ego's lane."""
         s, t = corridor.locate(self.solid.x, self.solid.y)
-        lane = corridor.ego_lanes[min(scene.ego.lane, len(corridor.ego_lanes) - 1)]
         turn = math.degrees(math.remainder(self.solid.yaw - corridor.heading(s), math.tau))
         return (
             f"{self} at ahead_m {s - corridor.start:.1f}, offset_m "
-            f"{t - corridor.centre(lane, s) + 0.0:.1f} from the ego's lane, heading {turn + 0.0:.0f} deg against the road"
+            f"{_aside(scene, corridor, s, t) + 0.0:.1f} from the ego's lane, heading {turn + 0.0:.0f} deg against the road"
         )
 
     @property
@@ -226,7 +225,6 @@ def _nearer(
     eye, others = Eye(camera, ego), [other.solid for other in _others(scene, cast, row)]
     s, t = corridor.locate(body.x, body.y)
     ego_s, _ = corridor.locate(ego.x, ego.y)
-    lane = corridor.ego_lanes[min(scene.ego.lane, len(corridor.ego_lanes) - 1)]
 
     def is_seen(at: float, beside: float) -> bool:
         x, y, z, heading = corridor.point(at, beside)
@@ -238,8 +236,14 @@ def _nearer(
     for share in _SHARES:
         if share * away > _NEAREST_M and is_seen(ego_s + share * away, t):
             return f"{hint}{share * away:.0f} m ahead of it at the same offset"
-    aside = t - corridor.centre(lane, s)
+    aside = _aside(scene, corridor, s, t)
     for share in _SHARES:
         if away > _NEAREST_M and is_seen(s, t + (share - 1.0) * aside):
             return f"{hint}there with {share * aside:.1f} m between it and the middle of the lane"
     return ""
+
+
+def _aside(scene: Scene, corridor: Corridor, s: float, t: float) -> float:
+    """Return the distance of a point from the middle of the ego's lane, m, left positive."""
+    lane = corridor.ego_lanes[min(scene.ego.lane, len(corridor.ego_lanes) - 1)]
+    return t - corridor.centre(lane, s)
