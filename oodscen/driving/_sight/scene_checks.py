@@ -239,7 +239,7 @@ def _nearer(
     aside = _aside(scene, corridor, s, t)
     for share in _SHARES:
         if away > _NEAREST_M and is_seen(s, t + (share - 1.0) * aside):
-            return f"{hint}there with {share * aside:.1f} m between it and the middle of the lane"
+            return f"{hint}there at offset_m {share * aside:.1f} from the ego's lane"
     return ""
 
 

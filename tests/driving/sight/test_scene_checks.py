@@ -96,6 +96,22 @@ def test_a_load_is_hidden_by_what_stands_before_it_not_by_what_carries_it():
     assert "lorry" not in issue.message
 
 
+@pytest.mark.parametrize(
+    ("ahead", "offset", "words", "seen"),
+    [
+        (45.0, 12.0, "would be seen 36 m ahead of it at the same offset", (36.0, 12.0)),
+        (20.0, 30.0, "would be seen there at offset_m 9.0 from the ego's lane", (20.0, 9.0)),
+        (20.0, -30.0, "would be seen there at offset_m -9.0 from the ego's lane", (20.0, -9.0)),
+    ],
+)
+def test_where_an_unseen_hazard_would_be_seen_is_told(ahead, offset, words, seen):
+    unseen = staged(actor("tyre", "tyre", ahead=ahead, offset=offset))
+    (issue,) = truth_issues(unseen, *moments(unseen))
+    assert issue.message.endswith(words)
+    nearer = staged(actor("tyre", "tyre", ahead=seen[0], offset=seen[1]))
+    assert first_seen(nearer, *moments(nearer)) == {"tyre": "first"}
+
+
 def test_fog_that_hides_the_hazard_is_refused():
     thick = staged(actor("box", "cardboard_box", ahead=60.0), decision=Trigger(value=1.0))
     foggy = thick.model_copy(update={"weather": Weather(fog_visual_range_m=30.0)})
