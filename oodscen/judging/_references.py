@@ -124,7 +124,7 @@ class Blind(CaseAnswerer):
     """Sees the questions but no picture, and gives the answers that are most often right.
 
     It calls everything OOD with a confidence of one half, names the most frequent leaf of the other paths, picks the
-    most frequent leaf of those in the list, and chooses the action that is most often safe in the scenes and twins
+    option of the list whose leaves are the most frequent, and chooses the action that is most often safe in the scenes and twins
     of other paths. This is the score within reach of a model that has read about the benchmark and never looks.
 
     Args:
@@ -153,8 +153,12 @@ class Blind(CaseAnswerer):
         action = max(ACTIONS, key=lambda name: self._safe[name] - safe_on_path[name])
         others = [leaf for leaf in sorted(self._count) if leaf != case.leaf]
         leaf = max(others, key=lambda name: self._count[name], default=case.leaf)
-        listed = sorted(option.id for option in case.options if option.id != NOTHING)
-        choice = max(listed, key=lambda name: self._count[name], default=leaf)
+        listed = {
+            option.id: sum(self._count[name] for name in {option.id, *option.leaves})
+            for option in case.options
+            if option.id != NOTHING
+        }
+        choice = max(sorted(listed), key=lambda name: listed[name], default=leaf)
         return Answers(True, self._labels.get(leaf, ""), 0.5, choice or None, action)
 
 

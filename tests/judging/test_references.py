@@ -58,6 +58,19 @@ def test_the_blind_one_names_and_acts_by_other_paths_and_picks_the_most_frequent
     assert answers.choice == "leaf-0", "the most frequent of the listed ones"
 
 
+def test_the_blind_one_counts_all_leaves_that_an_option_stands_for() -> None:
+    study = Case(paths=4, per_path=2)
+    leaves = {scenario.id: (scenario.leaf, scenario.path[-1]) for scenario in study.scenarios}
+    options = [AspectOption(id=f"leaf-{path}", label=f"Leaf {path}") for path in range(2)]
+    options.append(AspectOption(id="leaf-2", label="Leaf 2", leaves=("leaf-2", "leaf-3")))
+    blind = Blind(study.episodes, leaves)
+    answers = [
+        blind.judge(references.Case(case.episode, leaf=case.leaf, options=options))
+        for case in cases(study)
+    ]
+    assert {answer.choice for answer in answers} == {"leaf-2"}
+
+
 def test_without_a_study_the_blind_one_still_answers() -> None:
     answers = Blind([], {}).judge(references.Case(episode("x-001", ()), leaf="x"))
     assert (answers.choice, answers.action) == ("x", ACTIONS[0])
