@@ -176,6 +176,8 @@ class Column(Part):
             raise ValueError("the rings must be ordered upwards, or forwards along x")
         if not self.colour:
             _check_colours(len(self.column), self.colours)
+        elif self.colours:
+            raise ValueError("it has one colour or one from each ring to the next, not both")
 
 
 class Sheet(Part):
