@@ -178,3 +178,8 @@ def _state(kind: str, point: EntryPoint, same_name: list[EntryPoint]) -> str:
         return str(error)
     missing = missing_methods(kind, factory) if isinstance(factory, type) else []
     return f"has no {', '.join(missing)}" if missing else "ok"
+
+
+def is_asked(name: str) -> bool:
+    """Return whether a name belongs to an external model, which is asked for its answers."""
+    return name.partition(":")[0] not in ("builtin", "constant", "random", "replay")

@@ -71,11 +71,13 @@ class Usage(Data):
     """The tokens and the cost of one call."""
 
     input_tokens: int = 0
+    """0 if the number is not known."""
     output_tokens: int = 0
+    """0 if the answer is empty, or the number is not known."""
     cached_tokens: int = 0
     """Input tokens that the provider had cached."""
     cost_usd: float | None = None
-    """`None` if the price is unknown."""
+    """`None` if it is not known."""
 
 
 InsteadOfText = Literal["a tool call", "reasoning"]

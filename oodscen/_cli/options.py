@@ -130,7 +130,7 @@ def refuse_idle_server(*models: str | None) -> None:
     Raises:
         UsageError: If `--api-base` was given for no model that it would reach.
     """
-    from oodscen._pipeline.models import is_asked
+    from oodscen._entry_points import is_asked
 
     named = [model for model in models if model is not None]
     if not any(map(is_asked, named)):
@@ -152,7 +152,7 @@ def refuse_idle_prices(
     Raises:
         UsageError: If `--price` names one, with the models that are asked.
     """
-    from oodscen._pipeline.models import is_asked
+    from oodscen._entry_points import is_asked
     from oodscen._registry import make_llm
 
     asked = [*filter(is_asked, models)]

@@ -7,7 +7,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
-from oodscen._pipeline.models import Models, is_asked
+from oodscen._entry_points import is_asked
+from oodscen._pipeline.models import Models
 from oodscen._pipeline.options import RunOptions
 from oodscen._redaction import redact
 from oodscen._registry import make_catalogue, make_encoder, make_simulator

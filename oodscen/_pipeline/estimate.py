@@ -5,8 +5,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from oodscen._entry_points import is_asked
 from oodscen._files import temporary_folder, unreadable
-from oodscen._pipeline.models import Models, is_asked
+from oodscen._pipeline.models import Models
 from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.pipeline import Pipeline
 from oodscen._pipeline.sweep import check_workers

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from oodscen._entry_points import is_asked
 from oodscen._pipeline.options import RunOptions
 from oodscen._registry import is_builtin, make_llm
 from oodscen.data._verdict import without_pictures
@@ -19,11 +20,6 @@ from oodscen.study._store import Store
 
 ANSWERS = "answers.jsonl"
 """The recording of a study; questions answered in it are not asked again."""
-
-
-def is_asked(name: str) -> bool:
-    """Return whether a name belongs to an external model, which is asked for its answers."""
-    return not is_builtin(name) and name.partition(":")[0] not in ("constant", "random", "replay")
 
 
 class Models:

@@ -5,6 +5,7 @@ import threading
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, ClassVar, TypeGuard
 
+from oodscen._entry_points import is_asked
 from oodscen.data._base import Data
 from oodscen.llm._call_log import Call
 
@@ -85,8 +86,8 @@ class Ledger:
     def __init__(self) -> None:
         self.calls = self.retries = self.repairs = self.failed = self.tokens = 0
         self.cost_usd = 0.0
-        self.is_priced = True
-        """True while the price of every call that used tokens is known."""
+        self.is_cost_known = True
+        """True while the cost of every call is known that was answered by a model that is asked, or used tokens."""
         self.kept_verdicts: dict[str, tuple[str, int]] = {}
         """Name and number of verdicts kept from earlier runs, by the judged model's name in the configuration."""
         self._lock = threading.Lock()
@@ -98,18 +99,19 @@ class Ledger:
             self.retries += max(0, call.requests - 1)
             self.repairs += call.attempt > 1
             self.failed += call.status == "failed"
-            self.tokens += call.input_tokens + call.output_tokens
+            tokens = call.input_tokens + call.output_tokens
+            self.tokens += tokens
             self.cost_usd += call.cost_usd or 0.0
-            is_free = not (call.input_tokens + call.output_tokens)
-            self.is_priced &= call.cost_usd is not None or is_free
+            is_free = not tokens and (call.status != "ok" or not is_asked(call.model))
+            self.is_cost_known &= call.cost_usd is not None or is_free
 
     def __str__(self) -> str:
         """Return the totals as a short line; empty before the first call."""
         if not self.calls:
             return ""
         parts = [f"{self.calls} calls"]
-        if self.tokens or self.cost_usd:  # A model without tokens, as the built-in author, is free.
-            cost = f"${self.cost_usd:.2f}" if self.is_priced else "price not known"
+        if self.tokens or self.cost_usd or not self.is_cost_known:
+            cost = f"${self.cost_usd:.2f}" if self.is_cost_known else "cost not known"
             parts += [f"{self.tokens / 1000:.0f}k tokens", cost]
         counts = {"retries": self.retries, "repairs": self.repairs, "failed": self.failed}
         return ", ".join([*parts, *(f"{count} {noun}" for noun, count in counts.items() if count)])

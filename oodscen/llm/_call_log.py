@@ -38,13 +38,14 @@ class Call(Data):
     """`ok` if text came back, whether or not it was a valid answer; `interrupted` if the run was, by a signal."""
     error: str | None = None
     input_tokens: int = 0
+    """0 if the number is not known, as for the others."""
     output_tokens: int = 0
     cached_tokens: int = 0
     """Input tokens that the provider had cached."""
     cacheable_tokens: int = 0
     """Input tokens of a prefix that earlier calls share, which a provider may cache; estimated from characters."""
     cost_usd: float | None = None
-    """`None` if the price is not known."""
+    """`None` if the price or a number of tokens is not known."""
     requests: int = 1
     """HTTP requests, retries included; 0 if none was needed or allowed."""
     seconds: float = 0.0

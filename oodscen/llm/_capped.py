@@ -3,9 +3,9 @@
 from oodscen._members import optional
 from oodscen.errors import UsageError
 from oodscen.llm._check import complete
-from oodscen.llm._remote.budget import Price, Spent, check_price
+from oodscen.llm._remote.budget import Price, check_price
 from oodscen.llm._remote.limits import Limits
-from oodscen.llm._remote.usage import estimate_tokens, plausible_usage
+from oodscen.llm._remote.usage import charge, estimate_tokens
 from oodscen.llm._wrapper import WrappingLLM
 from oodscen.protocols import LLM, Completion, Request, Usage
 
@@ -38,29 +38,21 @@ class CappedLLM(WrappingLLM):
             BudgetExceeded: When they do not.
         """
         budget = self.limits.budget
-        most = self._spent(
-            Usage(input_tokens=estimate_tokens(request), output_tokens=budget.answer_tokens)
-        )
+        estimate = Usage(input_tokens=estimate_tokens(request), output_tokens=budget.answer_tokens)
+        most = charge(Usage(), request, "", estimate, self._price).spent
         self.limits.check()
         with self._endpoint.slot():
             budget.reserve(most)
             used, answer_tokens = most, 0
             try:
                 completion = complete(self._llm, request)
-                usage = plausible_usage(completion.usage, request)
-                if usage.input_tokens + usage.output_tokens:
-                    used, answer_tokens = self._spent(usage), usage.output_tokens
+                answer = completion.text or completion.instead or ""
+                usage, used = charge(completion.usage, request, answer, estimate, self._price)
                 used = used._replace(requests=max(1, completion.requests))
+                answer_tokens = usage.output_tokens
                 return completion.model_copy(update={"usage": usage})
             finally:
                 budget.settle(most, used, answer_tokens)
-
-    def _spent(self, usage: Usage) -> Spent:
-        """Return what one request uses; a reported cost of 0 does not count where a price is known."""
-        cost = usage.cost_usd
-        if not cost and self._price is not None:
-            cost = self._price.of(usage.input_tokens, usage.output_tokens)
-        return Spent(1, usage.input_tokens + usage.output_tokens, cost or 0.0)
 
 
 def _stated_price(llm: LLM, *, is_needed: bool) -> Price | None:

@@ -385,7 +385,7 @@ def _message(text: str | None, instead: str | None) -> dict[str, Any]:
 
 def _chat_completion(received: Received, message: dict[str, Any], finish_reason: str) -> bytes:
     prompt_tokens = sum(len(_content(turn)[0]) for turn in received.messages) // 4
-    completion_tokens = len(message["content"] or "") // 4
+    completion_tokens = -(-len(message["content"] or "") // 4)
     document = {
         "id": "chatcmpl-0",
         "object": "chat.completion",

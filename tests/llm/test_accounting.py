@@ -49,10 +49,19 @@ def test_calls_are_summed_per_stage_and_model():
         ledger.add(item)
     assert str(ledger) == "3 calls, 0k tokens, $0.50, 7 retries, 1 repairs, 1 failed"
     ledger.add(calls[3])
-    assert "price not known" in str(ledger)
-    free = Ledger()
-    free.add(call(cost_usd=None))
-    assert str(free) == "1 calls"
+    assert "cost not known" in str(ledger)
+
+
+@pytest.mark.parametrize("model", ["builtin", "constant:stop"])
+def test_only_what_is_asked_of_nobody_is_free_without_a_cost(model):
+    ledger = Ledger()
+    ledger.add(call(model=model))
+    assert str(ledger) == "1 calls"
+    ledger.add(call(status="failed"))
+    ledger.add(call(input_tokens=1_000, cost_usd=0.5))
+    assert "1k tokens, $0.50" in str(ledger)
+    ledger.add(call(cost_usd=None))
+    assert "1k tokens, cost not known" in str(ledger)
 
 
 @given(st.lists(st.floats(0, 100), min_size=1, max_size=50))
@@ -147,6 +156,24 @@ class Costly:
         return Completion(
             text='{"text": "A sofa lies on the road there."}', usage=usage, requests=7
         )
+
+
+@pytest.mark.parametrize("more", [{}, {"cost_usd": 1}, {"prices": {"plain": (3.0, 1.0)}}])
+def test_what_a_model_of_ones_own_is_charged_is_logged(more):
+    class Plain:
+        name = "plain"
+        price = (1.0, 2.0)
+
+        def complete(self, request):
+            return Completion(
+                text=json.dumps(GOOD), usage=Usage(input_tokens=100, output_tokens=10)
+            )
+
+    limits, calls = Limits(**more), []
+    ask(make_llm(Plain(), limits=limits, log=calls.append), QUESTION)
+    charged = limits.budget.spent.cost_usd
+    assert charged == pytest.approx((310 if "prices" in more else 120) / 1e6)
+    assert [call.cost_usd for call in calls] == [charged]
 
 
 @pytest.mark.parametrize("cap", [{"requests": 7}, {"tokens": 10_000}, {"cost_usd": 0.5}])

@@ -7,8 +7,8 @@ from contextlib import suppress
 from typing import Any, NamedTuple
 
 from oodscen._concurrency import as_finished
+from oodscen._entry_points import is_asked
 from oodscen._pipeline.context import Context
-from oodscen._pipeline.models import is_asked
 from oodscen._pipeline.steps.aspects import judge_aspects
 from oodscen._pipeline.steps.questioner import Item, Questioner
 from oodscen._pipeline.steps.scenes import simulate_behind, simulate_whole

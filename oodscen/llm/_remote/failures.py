@@ -10,6 +10,7 @@ from typing import Any, Literal
 from oodscen._redaction import redact_start
 from oodscen._text import one_line
 from oodscen.llm._remote.call_bounds import KEPT_BYTES, CallBounds
+from oodscen.llm._remote.usage import Charge
 from oodscen.protocols import Usage
 
 Kind = Literal["item", "filtered", "limit", "late", "unreachable", "erring", "denied"]
@@ -77,8 +78,8 @@ _UNSENDABLE = "a key or a name in the environment holds characters that a reques
 class Filtered(Exception):
     """Raised when a content filter withheld or cut the answer; callers never see it."""
 
-    def __init__(self, message: str, usage: Usage) -> None:
-        self.usage = usage
+    def __init__(self, message: str, charge: Charge) -> None:
+        self.charge = charge
         super().__init__(message)
 
 

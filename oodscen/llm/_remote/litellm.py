@@ -28,7 +28,7 @@ from oodscen.llm._remote.sdk import (
     load_litellm,
     resolve_model,
 )
-from oodscen.llm._remote.usage import count, estimate_tokens, plausible_usage
+from oodscen.llm._remote.usage import Charge, charge, count, estimate_tokens, plausible_usage
 from oodscen.llm._remote.wire import provider_seed, wire_message
 from oodscen.protocols import Completion, InsteadOfText, Request, Usage
 
@@ -174,7 +174,7 @@ class LiteLLM(Brief):
             "messages": [wire_message(message, self.name) for message in request.messages],
             "seed": provider_seed(self.seed, request.sample, request.attempt, request.repeat),
         }
-        most = self._most(request)
+        estimate = self._estimate(request)
         purpose = request.prompt.purpose
         response_format = self._response_format(request)
         is_refused = False
@@ -184,10 +184,10 @@ class LiteLLM(Brief):
         while True:
             if response_format is not None:
                 outcome = self._try(
-                    {**arguments, "response_format": response_format}, request, most, sent
+                    {**arguments, "response_format": response_format}, request, estimate, sent
                 )
             else:
-                outcome = self._try(arguments, request, most, sent)
+                outcome = self._try(arguments, request, estimate, sent)
             if isinstance(outcome, Completion):
                 if is_refused:
                     self._without_format.add(purpose)
@@ -209,8 +209,9 @@ class LiteLLM(Brief):
         raise self._error(failure)
 
     def _try(
-        self, arguments: dict[str, Any], request: Request, most: Spent, sent: list[CallBounds]
+        self, arguments: dict[str, Any], request: Request, estimate: Usage, sent: list[CallBounds]
     ) -> Completion | FailedAttempt:
+        most = charge(Usage(), request, "", estimate, self.price).spent
         self.limits.check()
         with self._endpoint.slot(self.name) as begun:
             self.limits.check()
@@ -227,16 +228,15 @@ class LiteLLM(Brief):
             try:
                 with apply_bounds(bounds):
                     response = self._sdk.completion(**arguments)
-                completion = self._completion(response, request)
+                completion, used = self._completion(response, request, estimate)
                 answer_tokens = completion.usage.output_tokens
-                used = self._used(completion.usage, most)
             # Servers send anything, and litellm passes on whatever its parsing of it raised.
             except Exception as error:
                 failure = diagnose(self.name, error, bounds)
                 used = Spent(1) if failure.is_free else most
                 if isinstance(error, Filtered):
-                    failure = replace(failure, usage=error.usage)
-                    used = self._used(error.usage, most)
+                    failure = replace(failure, usage=error.charge.usage)
+                    used = error.charge.spent
             else:
                 self._endpoint.note_answer(self.name)
                 return completion
@@ -276,60 +276,52 @@ class LiteLLM(Brief):
             )
         return LLMError(failure.message, model=self.name, retryable=failure.retryable)
 
-    def _most(self, request: Request) -> Spent:
-        """Return the maximum cost of one attempt."""
-        input_tokens = estimate_tokens(request)
+    def _estimate(self, request: Request) -> Usage:
+        """Return the tokens that one attempt may use."""
         output_tokens = self._arguments.get("max_tokens") or self.limits.budget.answer_tokens
-        cost = self.price.of(input_tokens, output_tokens) if self.price else 0.0
-        return Spent(1, input_tokens + output_tokens, cost)
+        return Usage(input_tokens=estimate_tokens(request), output_tokens=output_tokens)
 
-    def _used(self, usage: Usage, most: Spent) -> Spent:
-        tokens = usage.input_tokens + usage.output_tokens
-        if not tokens:
-            return most
-        cost = usage.cost_usd
-        if cost is None and self.price is not None:
-            cost = self.price.of(usage.input_tokens, usage.output_tokens)
-        return Spent(1, tokens, cost or 0.0)
-
-    def _completion(self, response: Any, request: Request) -> Completion:
+    def _completion(
+        self, response: Any, request: Request, estimate: Usage
+    ) -> tuple[Completion, Spent]:
         if not response.choices:
             raise NoAnswer("the response holds no answer: its list of choices is empty")
         choice = response.choices[0]
         ending = getattr(choice, "finish_reason", "")
-        usage = plausible_usage(self._usage(response), request)
-        if ending == "content_filter":
-            raise Filtered("the answer was withheld or cut", usage)
         # litellm takes an ending that it does not know for "stop", and keeps what OpenAI's fields lack apart.
         native_ending = _native_fields(choice).get("native_finish_reason")
         refusal = _native_fields(choice.message).get("refusal")
         text = choice.message.content or (refusal if isinstance(refusal, str) else "")
-        return Completion(
+        instead = None if text.strip() else _in_place_of_text(choice.message)
+        charged = self._charge(response, request, text or instead or "", estimate)
+        if ending == "content_filter":
+            raise Filtered("the answer was withheld or cut", charged)
+        completion = Completion(
             text=redact_keys(text.encode("utf-8", "replace").decode()),
-            usage=usage,
+            usage=charged.usage,
             is_cut_off=ending == "length" or str(native_ending).casefold() in _CUT_OFF,
-            instead=None if text.strip() else _in_place_of_text(choice.message),
+            instead=instead,
         )
+        return completion, charged.spent
 
-    def _usage(self, response: Any) -> Usage:
+    def _charge(self, response: Any, request: Request, text: str, estimate: Usage) -> Charge:
         """Return the usage that a response states, and its cost."""
         stated = getattr(response, "usage", None)
         details = getattr(stated, "prompt_tokens_details", None)
-        input_tokens = count(getattr(stated, "prompt_tokens", None))
-        output_tokens = count(getattr(stated, "completion_tokens", None))
         usage = Usage(
-            input_tokens=input_tokens,
-            output_tokens=output_tokens,
+            input_tokens=count(getattr(stated, "prompt_tokens", None)),
+            output_tokens=count(getattr(stated, "completion_tokens", None)),
             cached_tokens=count(getattr(details, "cached_tokens", None)),
         )
-        # Not validated before `plausible_usage`: litellm's cost may be any number.
-        return usage.model_copy(
-            update={"cost_usd": self._cost(response, input_tokens, output_tokens)}
-        )
+        known = plausible_usage(usage, request)
+        # litellm takes tokens that are not stated for none.
+        if known.input_tokens and known.output_tokens and self.name not in self.limits.prices:
+            # Not validated: litellm's cost may be any number.
+            usage = usage.model_copy(update={"cost_usd": self._known_cost(response)})
+        return charge(usage, request, text, estimate, self.price)
 
-    def _cost(self, response: Any, input_tokens: int, output_tokens: int) -> float | None:
-        if (price := self.limits.prices.get(self.name)) is not None:
-            return price.of(input_tokens, output_tokens)
+    def _known_cost(self, response: Any) -> float | None:
+        """Return the cost that litellm knows, with the discount on cached tokens."""
         try:
             return float(self._sdk.completion_cost(completion_response=response, model=self._model))
         # litellm raises a bare Exception for a model without a price.

@@ -110,7 +110,7 @@ class Rarity(Data):
     input_tokens: int = 0
     output_tokens: int = 0
     cost_usd: float | None = 0.0
-    """`None` if the price of the model is not known."""
+    """`None` if it is not known."""
 
     def __str__(self) -> str:
         parts = [f"rarity                 {self._median_line()}"]
@@ -125,7 +125,7 @@ class Rarity(Data):
         elif self.unanswered_rates:
             parts.append(f"not answered for {self.unanswered_rates} published rates")
         if tokens := self.input_tokens + self.output_tokens:
-            cost = "price not known" if self.cost_usd is None else _money(self.cost_usd)
+            cost = "cost not known" if self.cost_usd is None else _money(self.cost_usd)
             parts.append(f"{tokens:,} tokens, {cost}")
         return "; ".join(parts)
 
