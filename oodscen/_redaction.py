@@ -92,17 +92,24 @@ def redact_keys(text: str, known: Iterable[str] = ()) -> str:
     return _without_pieces(_any_of(values).sub(HIDDEN, text), values)
 
 
-def redact_start(text: str, length: int, *, is_cut: bool = False) -> str:
+def redact_start(
+    text: str,
+    length: int,
+    *,
+    is_cut: bool = False,
+    redacted: Callable[[str], str] = redact,
+) -> str:
     """Return the beginning of a redacted text; a credential that a cut divides leaves nothing.
 
     Args:
         text: A text of any length, of which only the beginning is searched.
         length: Number of characters to return at most.
         is_cut: True if the text is itself the beginning of a longer one.
+        redacted: Replaces the credentials; `redact_keys` in model output.
     """
     end = _WIDEST * max(map(len, _known(())), default=0)
     read = length + max(_MARGIN, 2 * end)
-    shown = redact(text[:read])
+    shown = redacted(text[:read])
     if is_cut or len(text) > read:
         shown = shown[: max(0, len(shown) - end)]
     return shown[:length]

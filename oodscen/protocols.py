@@ -88,7 +88,7 @@ class Completion(Data):
     """A language model's response to one request."""
 
     text: str
-    """The raw response text; only lone surrogates are replaced."""
+    """The raw response text; only lone surrogates are replaced, and the end of a text that is too long to be read."""
     usage: Usage = Usage()
     requests: int = Field(default=1, ge=0)
     """HTTP requests made for this completion, including retries; 0 for a model that makes none."""

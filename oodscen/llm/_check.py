@@ -1,12 +1,14 @@
 """The contract of `LLM.complete`, checked at the boundary."""
 
 from oodscen._members import conforming, described, working
+from oodscen._redaction import redact_keys, redact_start
 from oodscen.errors import LLMError
+from oodscen.llm._reading import MAX_ANSWER
 from oodscen.protocols import LLM, Completion, Request
 
 
 def complete(llm: LLM, request: Request) -> Completion:
-    """Ask a model and check that it returns a completion.
+    """Ask a model and check that it returns a completion, which is `shortened`.
 
     Raises:
         UsageError: When the object is not a model.
@@ -22,4 +24,14 @@ def complete(llm: LLM, request: Request) -> Completion:
     if not isinstance(completion.text, str):
         fault = f"{name} returned a Completion whose text is {described(completion.text)}"
         raise LLMError(fault, model=name)
-    return completion
+    return shortened(completion)
+
+
+def shortened(completion: Completion) -> Completion:
+    """Return a completion without the part of its text that is never read; the rest counts as cut off, and says so."""
+    length = len(completion.text)
+    if length <= MAX_ANSWER:
+        return completion
+    note = f" [cut off: {length:,} characters]"
+    start = redact_start(completion.text, MAX_ANSWER - len(note), redacted=redact_keys)
+    return completion.model_copy(update={"text": start + note, "is_cut_off": True})

@@ -15,6 +15,7 @@ from oodscen._numbers import finite_number, seed_number, whole_number
 from oodscen._redaction import hide, redact, redact_keys, secrets_in, secrets_of
 from oodscen._seeding import stream
 from oodscen.errors import ContentFiltered, LLMError, LLMTimeout, ResponseError, UsageError
+from oodscen.llm._check import shortened
 from oodscen.llm._remote.budget import Price, Spent
 from oodscen.llm._remote.call_bounds import CallBounds, apply_bounds
 from oodscen.llm._remote.failures import FailedAttempt, Filtered, NoAnswer, diagnose
@@ -296,13 +297,16 @@ class LiteLLM(Brief):
         charged = self._charge(response, request, text or instead or "", estimate)
         if ending == "content_filter":
             raise Filtered("the answer was withheld or cut", charged)
-        completion = Completion(
-            text=redact_keys(text.encode("utf-8", "replace").decode()),
-            usage=charged.usage,
-            is_cut_off=ending == "length" or str(native_ending).casefold() in _CUT_OFF,
-            instead=instead,
+        completion = shortened(
+            Completion(
+                text=text.encode("utf-8", "replace").decode(),
+                usage=charged.usage,
+                is_cut_off=ending == "length" or str(native_ending).casefold() in _CUT_OFF,
+                instead=instead,
+            )
         )
-        return completion, charged.spent
+        text = redact_keys(completion.text)
+        return completion.model_copy(update={"text": text}), charged.spent
 
     def _charge(self, response: Any, request: Request, text: str, estimate: Usage) -> Charge:
         """Return the usage that a response states, and its cost."""
