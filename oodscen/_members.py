@@ -7,7 +7,7 @@ from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from oodscen._numbers import finite_number
-from oodscen._redaction import redact
+from oodscen._redaction import redact_start
 from oodscen._text import is_name, one_line, printable, whole
 from oodscen.data._catalogue import Catalogue
 from oodscen.errors import (
@@ -31,6 +31,8 @@ SHORTEST_DT, LONGEST_DT = 0.001, 0.1
 
 _LONGEST_MESSAGE = 500
 """Characters of a foreign message that are shown."""
+_LONGEST_READ = 200_000
+"""Number of characters of a foreign exception's message beyond which the rest is left out, as redacting takes time."""
 _ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
 """A place in memory, which differs from run to run."""
 _FROM_CALLER = "_oodscen_is_of_the_caller"
@@ -245,7 +247,7 @@ def _broken(kind: str, label: str, error: BaseException) -> OodscenError:
 def message(error: BaseException) -> str:
     """Return the redacted message of a foreign exception as text that a file can hold; it may have none."""
     try:
-        return _ADDRESS.sub("", whole(redact(str(error))))
+        return _ADDRESS.sub("", whole(redact_start(str(error), _LONGEST_READ)))
     except Exception:
         return ""
 

@@ -15,8 +15,13 @@ def complete(llm: LLM, request: Request) -> Completion:
         LLMError: When the model fails or breaks its contract.
     """
     name = conforming("llm", llm).name
-    with working("llm", name):
-        completion = llm.complete(request)
+    try:
+        with working("llm", name):
+            completion = llm.complete(request)
+    except LLMError as error:
+        if len(told := str(error)) > MAX_ANSWER:
+            error.args = (redact_start(told, MAX_ANSWER),)
+        raise
     if not isinstance(completion, Completion):
         fault = f"{name} must return a Completion; its answer is {described(completion)}"
         raise LLMError(fault, model=name)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from oodscen import _redaction
 from oodscen._registry import make_llm
-from oodscen.errors import AnswerError
+from oodscen.errors import AnswerError, LLMError, LLMTimeout
 from oodscen.llm._ask import ask
 from oodscen.llm._check import complete, shortened
 from oodscen.llm._reading import MAX_ANSWER
@@ -83,3 +83,22 @@ def test_a_key_that_the_cut_divides_leaves_nothing(before, end):
     assert not any(KEY[i : i + 8] in answer.text for i in range(len(KEY) - 7))
     assert len(answer.text) <= MAX_ANSWER
     assert shortened(answer) == answer
+
+
+@pytest.mark.parametrize("kind", [LLMError, LLMTimeout, RuntimeError])
+def test_a_very_long_message_of_an_error_is_cut_before_it_is_searched(kind, monkeypatch):
+    monkeypatch.setenv("OPENAI_API_KEY", KEY)
+    searched = []
+    search = _redaction._without_pieces
+    monkeypatch.setattr(
+        _redaction,
+        "_without_pieces",
+        lambda text, values: searched.append(len(text)) or search(text, values),
+    )
+    calls = []
+    llm = make_llm(ScriptedLLM([kind(f"{KEY} " * 100_000)]), log=calls.append)
+    with pytest.raises(LLMError) as caught:
+        ask(llm, QUESTION)
+    assert len(str(caught.value)) <= MAX_ANSWER
+    assert KEY not in calls[0].error
+    assert max(searched) < 1.2 * MAX_ANSWER
