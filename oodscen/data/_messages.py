@@ -9,6 +9,7 @@ from pydantic import Field, PrivateAttr
 from oodscen._files import read_bytes
 from oodscen._picture_size import picture_size
 from oodscen.data._base import Data
+from oodscen.errors import UsageError
 
 _BEGINS = (b"\xff\xd8\xff", b"\x89PNG\r\n\x1a\n")
 _ENDS = (b"\xff\xd9", b"IEND\xaeB`\x82")
@@ -27,17 +28,28 @@ class Image(Data):
     """The bytes, if no file holds them."""
 
     @classmethod
-    def from_file(cls, path: Path, name: str = "") -> Self:
-        """Create a reference to a JPEG or PNG file."""
+    def from_file(cls, path: str | Path, name: str = "") -> Self:
+        """Create a reference to a JPEG or PNG file; `fault` tells whether it can be shown.
+
+        Raises:
+            OSError: If it cannot be read.
+        """
+        path = Path(path)
         return cls(
             name=name or path.name, sha256=hashlib.sha256(read_bytes(path)).hexdigest(), path=path
         )
 
     @classmethod
     def from_bytes(cls, data: bytes, name: str) -> Self:
-        """Create an image of the bytes of a JPEG or PNG, which need not be in a file."""
+        """Create an image of the bytes of a JPEG or PNG, which need not be in a file.
+
+        Raises:
+            UsageError: If they are not.
+        """
         image = cls(name=name, sha256=hashlib.sha256(data).hexdigest())
         image._content = data
+        if fault := image.fault():
+            raise UsageError(fault)
         return image
 
     def fault(self, size: tuple[int, int] | None = None) -> str:

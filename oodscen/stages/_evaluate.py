@@ -4,10 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
+import numpy as np
 from pydantic import BaseModel
 
 from oodscen._arguments import checked
 from oodscen._jpeg import to_jpeg
+from oodscen._numbers import said
 from oodscen.data._episode import Episode
 from oodscen.data._messages import Image
 from oodscen.data._scene import Visible
@@ -98,7 +100,8 @@ def evaluate(
             `MODEL without pictures`. Neither in the paper's protocol nor for references.
 
     Raises:
-        UsageError: If there is no frame to ask about, in the paper's protocol also none up to the decision.
+        UsageError: If there is no frame to ask about, in the paper's protocol also none up to the decision; or one is no
+            picture.
         MissingExtra: If frames are to be encoded, and OpenCV is not installed.
     """
     is_paper = protocol == "paper"
@@ -133,10 +136,20 @@ def evaluate(
 
 
 def _as_image(frame: Image | Frame, episode: Episode, moment: str) -> Image:
-    """Return a frame as a study stores and shows it."""
+    """Return a frame as a study stores and shows it.
+
+    Raises:
+        UsageError: If its colours are not those of a picture.
+    """
     if isinstance(frame, Image):
         return frame
-    return Image.from_bytes(to_jpeg(frame.rgb), f"frames/{episode.scene_id}/{moment}.jpg")
+    rgb = frame.rgb
+    if not (
+        isinstance(rgb, np.ndarray) and rgb.dtype == np.uint8 and rgb.shape[2:] == (3,) and rgb.size
+    ):
+        found = f"{rgb.dtype} {rgb.shape}" if isinstance(rgb, np.ndarray) else said(rgb, 80)
+        raise UsageError(f"the {moment} frame's rgb must be uint8 [height, width, 3], not {found}")
+    return Image.from_bytes(to_jpeg(rgb), f"frames/{episode.scene_id}/{moment}.jpg")
 
 
 def answers_of_reference(reference: Any, case: Case, protocol: Protocol) -> GivenAnswers:

@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -16,6 +17,7 @@ from oodscen.judging._aspects.matching import names_aspect
 from oodscen.judging._constant_answerers import ConstantAnswerer, RandomAnswerer
 from oodscen.judging._questions import ShownDrive, aspect_options
 from oodscen.judging._references import AspectOption
+from oodscen.protocols import Frame
 from oodscen.testing import ScriptedLLM
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
@@ -58,6 +60,29 @@ def test_frames_of_a_run_are_shown_as_a_study_stores_them():
     assert [image.read() for image in shown] == [to_jpeg(run.frames[name].rgb) for name in MOMENTS]
     assert (behind.name, behind.sha256) == ("frames/example-001/rear.jpg", shown[0].sha256)
     assert not any(image.fault() for image in (*shown, behind))
+
+
+@pytest.mark.parametrize(
+    "rgb",
+    [
+        np.zeros((4, 6), np.uint8),
+        np.zeros((4, 6, 4), np.uint8),
+        np.zeros((3, 4, 6), np.uint8),
+        np.zeros((4, 6, 3)),
+        np.zeros((4, 6, 3), bool),
+        np.zeros((0, 6, 3), np.uint8),
+        [[[0, 0, 0]]],
+        None,
+    ],
+)
+def test_what_are_no_colours_is_no_picture(rgb):
+    llm = ScriptedLLM(answers())
+    odd = Frame(rgb, np.zeros((4, 6), np.float32), np.zeros((4, 6), np.int32))
+    with pytest.raises(
+        UsageError, match=r"the last frame's rgb must be uint8 \[height, width, 3\], not "
+    ):
+        evaluate(EPISODE, {"last": odd}, llm, path=PATH)
+    assert not llm.requests
 
 
 def test_a_model_is_not_asked_about_no_frame():
