@@ -60,8 +60,6 @@ _DANGER = re.compile(
     r"\b(?:dangerous|hazardous|unsafe|risky|risks?|fatal|deadly|problem|collisions?|accidents?|poses?|creates?)\b"
 )
 """Matches words that condemn an action, and not a thing that is named in the closed question."""
-_DEEPEST = 4
-"""Levels of lists and objects in which a choice may be wrapped."""
 
 
 @dataclass(frozen=True)
@@ -85,25 +83,25 @@ class _Reader:
 
     def _picked(self, value: Mapping[str, Any]) -> int | None:
         choices = members(value, self.keys)
-        option = self._agreed(choices, _DEEPEST)
+        option = self._agreed(choices)
         if choices and option is None:
             raise UnusableError(f"{str(choices[0])[:80]!r} is no option")
         return option
 
-    def _agreed(self, values: Iterable[Any], depth: int) -> int | None:
+    def _agreed(self, values: Iterable[Any]) -> int | None:
         """Return the option of all of some values; `None` if they have none."""
-        options = {self._option(value, depth) for value in values}
+        options = {self._option(value) for value in values}
         if len(options) > 1:
             raise UnusableError(TWO_ANSWERS)
         return options.pop() if options else None
 
-    def _option(self, value: Any, depth: int) -> int | None:
+    def _option(self, value: Any) -> int | None:
         """Return the option of a value: its number, its words, or that of the only value inside."""
-        if isinstance(value, list) and len(value) == 1 and depth:
-            return self._option(value[0], depth - 1)
-        if isinstance(value, dict) and depth:
+        if isinstance(value, list) and len(value) == 1:
+            return self._option(value[0])
+        if isinstance(value, dict):
             choices, reasons = unwrap(value, _INNER)
-            option = self._agreed(choices.values(), depth - 1)
+            option = self._agreed(choices.values())
             return None if option is None or self._denies(tidy(reasons), option) else option
         if self.is_numbered and isinstance(value, (int, float)) and not isinstance(value, bool):
             return int(value) - 1 if value in range(1, len(self.names) + 1) else None

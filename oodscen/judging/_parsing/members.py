@@ -6,6 +6,7 @@ from typing import Any
 
 from oodscen.judging._parsing.confidence import is_confidence
 from oodscen.judging._parsing.unusable import TWO_ANSWERS, UnusableError
+from oodscen.llm._json_objects import held_values
 
 WRAPPERS = re.compile(
     r"(?=.)(?:final|json|data|arguments)?(?:answer|response|result|output|assessment)?"
@@ -19,9 +20,7 @@ REASON = re.compile(
 CONFIDENCE = re.compile(r"confidence|certainty|probability")
 
 
-def unwrap(
-    value: Mapping[str, Any], requested: re.Pattern[str], depth: int = 4
-) -> tuple[dict[str, Any], str]:
+def unwrap(value: Mapping[str, Any], requested: re.Pattern[str]) -> tuple[dict[str, Any], str]:
     """Return the requested members of an object, or of the one that it wraps, and the reasons beside them.
 
     Raises:
@@ -41,13 +40,21 @@ def unwrap(
         elif not (CONFIDENCE.fullmatch(spelt(name)) and is_confidence(member)):
             raise UnusableError(f"nobody asked for {name[:40]!r}")
     inner = next(iter(rest.values())) if len(rest) == 1 else None
-    if isinstance(inner, dict) and depth and all(WRAPPERS.fullmatch(spelt(name)) for name in rest):
-        wrapped, inner_reasons = unwrap(inner, requested, depth - 1)
+    if isinstance(inner, dict) and all(WRAPPERS.fullmatch(spelt(name)) for name in rest):
+        wrapped, inner_reasons = unwrap(inner, requested)
         return wrapped, "\n".join([*reasons, inner_reasons])
     for name in rest:
         if not requested.fullmatch(spelt(name)):
             raise UnusableError(f"nobody asked for {name[:40]!r}")
     return rest, "\n".join(reasons)
+
+
+def is_deeper(value: object, levels: int) -> bool:
+    """Return whether lists and objects stand in each other on more than some levels."""
+    is_nested = isinstance(value, (dict, list))
+    return is_nested and (
+        levels == 0 or any(is_deeper(held, levels - 1) for held in held_values(value))
+    )
 
 
 def _is_reason(name: str, value: Any) -> bool:

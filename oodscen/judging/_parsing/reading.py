@@ -14,7 +14,7 @@ from typing import Any, Generic, Literal, TypeVar
 from oodscen._arguments import instance_of
 from oodscen._prose import after_reasoning, fold, is_refusal, tidy
 from oodscen._text import clean_surrogates
-from oodscen.judging._parsing.members import CONFIDENCE, REASON, spelt, unwrap
+from oodscen.judging._parsing.members import CONFIDENCE, REASON, is_deeper, spelt, unwrap
 from oodscen.judging._parsing.unusable import LONGEST, TWO_ANSWERS, UnusableError
 from oodscen.llm._json_objects import scan
 from oodscen.llm._reading import EMPTY, UNSPOKEN
@@ -54,8 +54,11 @@ class Question(Generic[Value]):
         """Return the answer in an object, `None` if it lacks the requested members, and the reasons beside it.
 
         Raises:
-            UnusableError: If it has a member that was not asked for, or reasons against its own answer.
+            UnusableError: If it is nested too deep, has a member that was not asked for, or reasons against its own
+                answer.
         """
+        if is_deeper(value, _DEEPEST):
+            raise UnusableError(f"the JSON object is nested more than {_DEEPEST} deep")
         requested, reasons = unwrap(value, self.members)
         answer = self.pick(requested)
         if answer is not None and self.denies and self.denies(tidy(reasons), answer):
@@ -129,6 +132,8 @@ def _only_object(spoken: str) -> dict[str, Any] | None:
     return only.value
 
 
+_DEEPEST = 5
+"""Levels of lists and objects in an answer: its object in up to four wrappers."""
 _ELEMENTS = r"(?:answer|final_answer|action|choice|response|output|result|json)"
 _OPENS = re.compile(
     rf"(?:<{_ELEMENTS}>\s*)?(?:(?:```|~~~)[ \t]*(?:json)?\s*)?[`*]*\Z", re.IGNORECASE

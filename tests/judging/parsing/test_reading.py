@@ -319,12 +319,40 @@ ASKED = re.compile("action")
 @pytest.mark.parametrize("depth", range(9))
 def test_objects_are_looked_into_to_a_depth(depth):
     held = nested({"action": "stop", "reasoning": "wet"}, depth, "answer")
-    if depth <= 4:
-        assert unwrap(held, ASKED) == ({"action": "stop"}, "wet")
-    else:
-        with pytest.raises(UnusableError):
-            unwrap(held, ASKED)
+    assert unwrap(held, ASKED) == ({"action": "stop"}, "wet")
     assert words_in(nested(" wet ", depth)) == ("wet" if depth <= 3 else "")
+
+
+SHEETS = {
+    "action": (lambda said: read_action(said, ACTIONS), {"action": "stop"}),
+    "choice": (lambda said: read_choice(said, LEAVES), {"choice": "1"}),
+    "aspect": (read_aspect, {"is_ood": True, "aspect": "a deer"}),
+    "named": (read_named_aspect, {"aspect": "a deer"}),
+    "description": (read_description, {"description": "A deer on the road."}),
+}
+
+
+@given(
+    st.sampled_from(sorted(SHEETS)),
+    st.lists(st.sampled_from(["answer", "result", "output", "data", "final_answer"]), max_size=9),
+)
+def test_up_to_four_wrappers_are_opened_in_every_question(question, names):
+    read, held = SHEETS[question]
+    plain = read(json.dumps(held)).value
+    for name in names:
+        held = {name: held}
+    found = read(json.dumps(held))
+    assert found.value == (plain if len(names) <= 4 else None)
+    assert len(names) <= 4 or "deep" in found.note
+
+
+@given(st.lists(st.sampled_from(["answer", "value", "id", "result", "action", ""]), max_size=9))
+def test_a_choice_may_stand_in_four_lists_and_objects(names):
+    held = "stop"
+    for name in names:
+        held = {name: held} if name else [held]
+    found = read_action(json.dumps({"action": held}), ACTIONS).value
+    assert found is None or (found == "stop" and len(names) <= 4)
 
 
 NEUTRAL = [
