@@ -30,7 +30,7 @@ class JsonObject(NamedTuple):
     """Offset of its first character, set by `scan`."""
     is_altered: bool = False
     """True if repairing its faults dropped or changed more than punctuation and comments: its values may be others."""
-    has_comments: bool = False
+    comments: tuple[str, ...] = ()
 
     @property
     def repeated(self) -> tuple[str, ...]:
@@ -196,9 +196,10 @@ def _mended(text: str, *, is_inner: bool = False) -> JsonObject | None:
         return None
     if not (isinstance(value, dict) and value):
         return None
+    comments = [mark[0].strip("/*# \n") for mark in _COMMENT.finditer(text) if mark[1] is None]
     plain = _COMMENT.sub(lambda match: match[1] or "", text)
     is_altered = is_inner or _essence(plain) != _essence(json.dumps(value))
-    return JsonObject(value, len(text), is_altered=is_altered, has_comments=plain != text)
+    return JsonObject(value, len(text), is_altered=is_altered, comments=tuple(comments))
 
 
 def _strict(text: str) -> Any:

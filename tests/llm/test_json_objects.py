@@ -90,8 +90,9 @@ def test_what_is_quoted_in_a_string_moves_no_member_without_a_word(shape: str, s
 
 
 def test_comments_are_told() -> None:
-    ((found, *_),) = find_objects('{"a": 1, // or 2\n "b": "//"}')
-    assert (found.value, found.is_altered, found.has_comments) == ({"a": 1, "b": "//"}, False, True)
+    ((found, *_),) = find_objects('{"a": 1, // or 2\n "b": "//" /* x */, # y\n}')
+    assert (found.value, found.is_altered) == ({"a": 1, "b": "//"}, False)
+    assert found.comments == ("or 2", "x", "y")
 
 
 @pytest.mark.parametrize("text", ['{"a": "x"', '{"a": [1, 2]', '{"a": {"b": 1}', "{'a': {'b': 'x'}"])  # fmt: skip

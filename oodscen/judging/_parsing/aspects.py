@@ -19,7 +19,7 @@ from oodscen.judging._parsing.denials import (
 )
 from oodscen.judging._parsing.members import CONFIDENCE, is_placeholder, members, words_in
 from oodscen.judging._parsing.reading import ParsedAnswer, Question, read
-from oodscen.judging._parsing.reasons import is_against
+from oodscen.judging._parsing.reasons import is_against, is_open
 from oodscen.judging._parsing.unusable import TWO_ANSWERS, UnusableError
 
 LONGEST_ASPECT = 300
@@ -71,12 +71,6 @@ _ANSWER = re.compile(
 _LAST_WORDS = re.compile(r"[^.;:!?\n]{0,200}\Z")
 _SOUGHT = re.compile(rf"\b(?:{ODD}|anomal|abnormal|hazard|obstacle|object|problem|issue|behavio)")
 """Matches what a model says that it does not see, where it does see the picture."""
-_OPEN = re.compile(
-    r"\b(?:but|however|except|apart from|although|though|wait|actually|on second thought|unsure|not sure|unclear"
-    r"|hard to|can not (?:tell|say|judge)|yes and no|or not|unless|otherwise|correction|scratch|maybe"
-    r"|not know|no idea|either|would be|if)\b"
-)
-"""Matches words that retract an answer or leave it open."""
 
 
 @dataclass(frozen=True)
@@ -203,7 +197,7 @@ def _detected_in_member(value: object) -> Detected:
 
 def _detected_in_prose(prose: str) -> Detected | None:
     """Parse one yes or no, with words that agree with it, or a plain denial of what is odd."""
-    if _OPEN.search(plain_words(prose)) or _declines(prose):
+    if is_open(plain_words(prose)) or _declines(prose):
         return None
     said = CONFIDENT.sub("", prose)
     answers = list(_ANSWER.finditer(said))
@@ -275,7 +269,7 @@ def _named_in_prose(prose: str) -> str | None:
         return _name_or_nothing(labelled)
     plain = plain_words(prose)
     is_short = 0 < len(plain.split()) <= 20 and len(re.findall(r"[.!?](?:\s|$)", plain)) <= 1
-    if not is_short or _OPEN.search(plain) or plain.endswith(("?", ":")):
+    if not is_short or is_open(plain) or plain.endswith(("?", ":")):
         return None
     if not re.search(r"\w", plain) or _declines(prose):
         return None

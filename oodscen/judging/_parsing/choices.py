@@ -1,7 +1,7 @@
 """Parses the option chosen in an answer: an action, or an answer to the closed question."""
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,8 +9,15 @@ from oodscen._arguments import checked
 from oodscen._prose import fold, is_refusal, tidy
 from oodscen.data._episode import ACTIONS
 from oodscen.errors import UsageError
-from oodscen.judging._parsing.marking import Marking, action_marking, label_marking
-from oodscen.judging._parsing.members import members, unwrap
+from oodscen.judging._parsing.marking import (
+    FIRST,
+    OPTION,
+    Marking,
+    action_marking,
+    label_marking,
+    number,
+)
+from oodscen.judging._parsing.members import members
 from oodscen.judging._parsing.reading import ParsedAnswer, Question, read
 from oodscen.judging._parsing.reasons import is_against
 from oodscen.judging._parsing.stating import stated_option
@@ -76,10 +83,15 @@ class _Reader:
 
     def read(self, text: str) -> ParsedAnswer[str]:
         """Return the name of the option that an answer chooses."""
-        reading = read(text, Question(self._picked, self._stated, self.keys, self._denies))
+        reading = read(text, self._question(self._picked, self.keys))
         if reading.value is None:
             return ParsedAnswer(None, reading.outcome, reading.note)
         return ParsedAnswer(self.names[reading.value], "answered", reading.note, reading.reasons)
+
+    def _question(
+        self, pick: Callable[[Mapping[str, Any]], int | None], keys: re.Pattern[str]
+    ) -> Question[int]:
+        return Question(pick, self._stated, keys, self._denies, self._rivals)
 
     def _picked(self, value: Mapping[str, Any]) -> int | None:
         choices = members(value, self.keys)
@@ -100,13 +112,14 @@ class _Reader:
         if isinstance(value, list) and len(value) == 1:
             return self._option(value[0])
         if isinstance(value, dict):
-            choices, reasons = unwrap(value, _INNER)
-            option = self._agreed(choices.values())
-            return None if option is None or self._denies(tidy(reasons), option) else option
+            return self._question(self._inner, _INNER).answer_in(value)[0]
         if self.is_numbered and isinstance(value, (int, float)) and not isinstance(value, bool):
             return int(value) - 1 if value in range(1, len(self.names) + 1) else None
         is_text = isinstance(value, str) and re.match(r"[\s*`\"'(#]*\w", value)
         return self._stated(tidy(value)) if is_text else None
+
+    def _inner(self, value: Mapping[str, Any]) -> int | None:
+        return self._agreed(value.values())
 
     def _stated(self, prose: str) -> int | None:
         if is_refusal(prose):
@@ -115,5 +128,18 @@ class _Reader:
         return option if option is not None and option < len(self.names) else None
 
     def _denies(self, reasons: str, option: int) -> bool:
-        plain = self.mark(fold(reasons))
+        return self._is_against(self.mark(fold(reasons)), option)
+
+    def _rivals(self, words: str, option: int) -> bool:
+        """Return whether words name another option, or condemn this one when they stand beside it."""
+        plain = self.mark(fold(words))
+        named = {number(mark) for mark in re.findall(OPTION, plain)}
+        if self.is_numbered:
+            named |= {int(digits) - 1 for digits in re.findall(r"\d{1,9}", plain)}
+        own = chr(FIRST + option)
+        return not named.isdisjoint({*range(len(self.names))} - {option}) or any(
+            self._is_against(said, option) for said in (f"{own} {plain}", f"{plain} {own}")
+        )
+
+    def _is_against(self, plain: str, option: int) -> bool:
         return is_against(_DANGER.sub("seen", plain) if self.is_numbered else plain, option)

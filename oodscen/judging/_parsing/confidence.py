@@ -25,13 +25,15 @@ def probability(value: object) -> float | None:
 
 
 def is_confidence(value: object) -> bool:
-    """Return whether a value states a confidence, perhaps on an unknown scale; `None` leaves it out."""
-    if isinstance(value, str) and re.fullmatch(r"\s*\d{1,3}\s*", value):
-        value = int(value)
-    is_on_scale = (
-        isinstance(value, (int, float)) and not isinstance(value, bool) and 0 <= value <= 100
-    )
-    return value is None or is_on_scale or probability(value) is not None
+    """Return whether a value may state a confidence, readable or not; `None` leaves it out."""
+    return value is None or (isinstance(value, (int, float, str)) and not isinstance(value, bool))
+
+
+def is_aside(value: object) -> bool:
+    """Return whether a value is a text with words that state no probability."""
+    if not isinstance(value, str) or _UNSTATED.fullmatch(value):
+        return False
+    return bool(re.search(r"[^\W\d_]", value)) and probability(value) is None
 
 
 def one_probability(values: Iterable[object]) -> float | None:
@@ -64,6 +66,9 @@ _BESIDE = re.compile(
     re.IGNORECASE,
 )
 """Matches what may stand beside a number or a word."""
+_UNSTATED = re.compile(
+    r"\s*(?:n/?a|unknown|not (?:applicable|available|given|known|stated))\W*", re.IGNORECASE
+)
 _DIGITS = r"(?:\d{1,9}(?:\.\d{1,30}|,\d{1,2})?|\.\d{1,30})"
 _SCALE = r"\s*(?:(%|percent)|(?:/|(?:out )?of)\s*(\d{1,3}))"
 _NUMBER = re.compile(rf"({_DIGITS})(?:{_SCALE})?")

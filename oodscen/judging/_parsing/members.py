@@ -2,9 +2,9 @@
 
 import re
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
-from oodscen.judging._parsing.confidence import is_confidence
+from oodscen.judging._parsing.confidence import is_aside, is_confidence
 from oodscen.judging._parsing.unusable import TWO_ANSWERS, UnusableError
 from oodscen.llm._json_objects import held_values
 
@@ -20,8 +20,17 @@ REASON = re.compile(
 CONFIDENCE = re.compile(r"confidence|certainty|probability")
 
 
-def unwrap(value: Mapping[str, Any], requested: re.Pattern[str]) -> tuple[dict[str, Any], str]:
-    """Return the requested members of an object, or of the one that it wraps, and the reasons beside them.
+class Held(NamedTuple):
+    """The members of an object, or of it and the one that it wraps."""
+
+    requested: dict[str, Any]
+    reasons: str
+    asides: tuple[str, ...]
+    """Words in the place of a confidence that state none."""
+
+
+def unwrap(value: Mapping[str, Any], requested: re.Pattern[str]) -> Held:
+    """Return the requested members of an object, or of the one that it wraps, and what stands beside them.
 
     Raises:
         UnusableError: If it has other members, or one of them twice.
@@ -30,23 +39,29 @@ def unwrap(value: Mapping[str, Any], requested: re.Pattern[str]) -> tuple[dict[s
         raise UnusableError(TWO_ANSWERS)
     rest: dict[str, Any] = {}
     reasons: list[str] = []
+    asides: list[str] = []
     for name, member in value.items():
+        is_sure = CONFIDENCE.fullmatch(spelt(name))
+        if is_sure and not is_confidence(member):
+            raise UnusableError(f"{name[:40]!r} is no confidence")
+        if is_sure and is_aside(member):
+            asides.append(member)
         if requested.fullmatch(spelt(name)) or WRAPPERS.fullmatch(spelt(name)):
             rest[name] = member
         elif _is_reason(name, member):
             reasons += _texts(member)
         elif REASON.fullmatch(spelt(name)):
             raise UnusableError(f"{name[:40]!r} is no text")
-        elif not (CONFIDENCE.fullmatch(spelt(name)) and is_confidence(member)):
+        elif not is_sure:
             raise UnusableError(f"nobody asked for {name[:40]!r}")
     inner = next(iter(rest.values())) if len(rest) == 1 else None
     if isinstance(inner, dict) and all(WRAPPERS.fullmatch(spelt(name)) for name in rest):
-        wrapped, inner_reasons = unwrap(inner, requested)
-        return wrapped, "\n".join([*reasons, inner_reasons])
+        held = unwrap(inner, requested)
+        return Held(held.requested, "\n".join([*reasons, held.reasons]), (*asides, *held.asides))
     for name in rest:
         if not requested.fullmatch(spelt(name)):
             raise UnusableError(f"nobody asked for {name[:40]!r}")
-    return rest, "\n".join(reasons)
+    return Held(rest, "\n".join(reasons), tuple(asides))
 
 
 def is_deeper(value: object, levels: int) -> bool:

@@ -2,12 +2,12 @@
 
 What counts is listed; what is not listed makes the answer unreadable. An answer may hold one object. Around it
 stand reasoning that has ended, a code fence and a phrase such as "Here is my answer:". Beside the requested
-members it has reasons and a confidence. Lines such as `Action: stop` are parsed like an object.
+members it has reasons, a confidence and harmless comments. Lines such as `Action: stop` are parsed like an object.
 """
 
 import json
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Generic, Literal, TypeVar
 
@@ -15,8 +15,9 @@ from oodscen._arguments import instance_of
 from oodscen._prose import after_reasoning, fold, is_refusal, tidy
 from oodscen._text import clean_surrogates
 from oodscen.judging._parsing.members import CONFIDENCE, REASON, is_deeper, spelt, unwrap
+from oodscen.judging._parsing.reasons import disputes
 from oodscen.judging._parsing.unusable import LONGEST, TWO_ANSWERS, UnusableError
-from oodscen.llm._json_objects import scan
+from oodscen.llm._json_objects import JsonObject, scan
 from oodscen.llm._reading import EMPTY, UNSPOKEN
 
 Value = TypeVar("Value")
@@ -47,23 +48,31 @@ class Question(Generic[Value]):
     """Matches the names of the requested members, as `spelt` spells them."""
     denies: Callable[[str, Value], bool] | None = None
     """Returns whether tidied reasons deny or condemn a value."""
+    rivals: Callable[[str, Value], bool] | None = None
+    """Returns whether tidied words condemn a value or name another one."""
     has_labels: bool = True
     """Labelled lines are parsed like an object."""
 
-    def answer_in(self, value: Mapping[str, Any]) -> tuple[Value | None, str]:
+    def answer_in(
+        self, value: Mapping[str, Any], comments: Iterable[str] = ()
+    ) -> tuple[Value | None, str]:
         """Return the answer in an object, `None` if it lacks the requested members, and the reasons beside it.
 
         Raises:
-            UnusableError: If it is nested too deep, has a member that was not asked for, or reasons against its own
-                answer.
+            UnusableError: If it is nested too deep, has a member that was not asked for, or reasons or comments
+                against its own answer.
         """
         if is_deeper(value, _DEEPEST):
             raise UnusableError(f"the JSON object is nested more than {_DEEPEST} deep")
-        requested, reasons = unwrap(value, self.members)
-        answer = self.pick(requested)
-        if answer is not None and self.denies and self.denies(tidy(reasons), answer):
-            raise UnusableError("its reasons are against the answer")
-        return answer, reasons.strip()
+        held = unwrap(value, self.members)
+        answer = self.pick(held.requested)
+        if answer is not None:
+            if self.denies and self.denies(tidy(held.reasons), answer):
+                raise UnusableError("its reasons are against the answer")
+            for aside in map(tidy, (*comments, *held.asides)):
+                if disputes(aside) or (self.rivals and self.rivals(aside, answer)):
+                    raise UnusableError(f"{aside[:80]!r} beside the answer may be against it")
+        return answer, held.reasons.strip()
 
 
 def read(text: str, question: Question[Value]) -> ParsedAnswer[Value]:
@@ -82,14 +91,15 @@ def read(text: str, question: Question[Value]) -> ParsedAnswer[Value]:
         spoken = spoken_text(text)
         if not spoken.strip():
             note = (UNSPOKEN if text.strip() else EMPTY).message
-        answer = _only_object(spoken)
+        only = _only_object(spoken)
+        answer = only and only.value
         source = "prose" if answer is None else "JSON"
         if answer is None and question.has_labels:
             answer = _labelled(tidy(spoken), question.members)
         if answer is None:
             value, reasons = question.prose(tidy(spoken)), spoken
         else:
-            value, reasons = question.answer_in(answer)
+            value, reasons = question.answer_in(answer, only.comments if only else ())
         if value is not None:
             return ParsedAnswer(value, "answered", source, reasons)
     except UnusableError as error:
@@ -112,7 +122,7 @@ def spoken_text(text: str) -> str:
     return spoken if '"' in spoken else re.sub("[\u201c\u201d]", '"', spoken)
 
 
-def _only_object(spoken: str) -> dict[str, Any] | None:
+def _only_object(spoken: str) -> JsonObject | None:
     """Return the object that a text consists of; `None` if it holds none."""
     objects, broken_off = scan(spoken)
     if broken_off is not None:
@@ -122,14 +132,14 @@ def _only_object(spoken: str) -> dict[str, Any] | None:
     if len(objects) > 1:
         raise UnusableError(f"it has {len(objects)} JSON objects")
     (only,) = objects
-    if only.is_altered or only.has_comments:
+    if only.is_altered:
         raise UnusableError("the JSON object has faults")
     before, after = spoken[: only.start], spoken[only.start + only.width :]
     lead = fold(tidy(_OPENS.sub("", before)))
     end = fold(tidy(_CLOSES.sub("", after)))
     if not (_LEAD.fullmatch(lead) and _COURTESY.fullmatch(end)):
         raise UnusableError("other words stand around the JSON object")
-    return only.value
+    return only
 
 
 _DEEPEST = 5

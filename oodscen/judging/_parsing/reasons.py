@@ -5,6 +5,8 @@ import tomllib
 from collections.abc import Sequence
 
 from oodscen._files import bundled
+from oodscen._prose import fold
+from oodscen.judging._parsing.denials import denies, plain_words
 from oodscen.judging._parsing.marking import GERUND, OPTION, number
 from oodscen.judging._parsing.stating import CRASH
 
@@ -16,6 +18,18 @@ def is_against(plain: str, option: int | None = None) -> bool:
         or any(map(_is_denied, _CLAUSE.finditer(_kinds(sentence, option))))
         for sentence in re.split(r"(?<=[.!?;])\s+|\n+", plain)
     )
+
+
+def is_open(plain: str) -> bool:
+    """Return whether plain words retract an answer or leave it open."""
+    return bool(_OPEN.search(plain))
+
+
+def disputes(words: str) -> bool:
+    """Return whether words beside an answer may deny it, leave it open or give another one."""
+    plain = plain_words(words)
+    is_doubt = denies(plain) or is_open(plain) or _DISPUTING.search(plain)
+    return bool(is_doubt) or is_against(fold(words))
 
 
 def _kinds(sentence: str, option: int | None) -> str:
@@ -52,6 +66,8 @@ def _kind(letter: str, words: Sequence[str]) -> str:
 
 
 _TABLE = tomllib.loads(bundled("reasons.toml", "oodscen.judging._parsing"))
+_OPEN = re.compile(rf"\b(?:{'|'.join(_TABLE['open'])})\b")
+_DISPUTING = re.compile(rf"\b(?:{'|'.join(_TABLE['disputing'])})\b")
 _WORD = re.compile("|".join(_kind(**kind) for kind in _TABLE["kind"]))
 _GAP = "(?:[knu]|r[OPx])*"
 _CLAUSE = re.compile(

@@ -107,3 +107,5 @@ def test_a_confidence_may_stand_beside_any_answer(stated):
 @pytest.mark.parametrize("stated", ["keep_speed", "not stop", [0.9], True, {"value": 0.9}])
 def test_what_is_no_confidence_is_another_member(stated):
     assert read_action(json.dumps({"action": "stop", "confidence": stated}), ACTIONS).value is None
+    inner = {"name": "stop", "confidence": stated}
+    assert read_action(json.dumps({"action": inner}), ACTIONS).value is None

@@ -319,7 +319,7 @@ ASKED = re.compile("action")
 @pytest.mark.parametrize("depth", range(9))
 def test_objects_are_looked_into_to_a_depth(depth):
     held = nested({"action": "stop", "reasoning": "wet"}, depth, "answer")
-    assert unwrap(held, ASKED) == ({"action": "stop"}, "wet")
+    assert unwrap(held, ASKED) == ({"action": "stop"}, "wet", ())
     assert words_in(nested(" wet ", depth)) == ("wet" if depth <= 3 else "")
 
 
@@ -355,6 +355,93 @@ def test_a_choice_may_stand_in_four_lists_and_objects(names):
     assert found is None or (found == "stop" and len(names) <= 4)
 
 
+COMMENTS = st.sampled_from(["// {}\n", "# {}\n", "/* {} */"])
+HARMLESS = [
+    "safest",
+    "a cow ahead",
+    "it's wet",
+    "because the lane is blocked",
+    "my choice",
+    "short",
+    "Strasse nass",
+]
+DISPUTING = [
+    "not", "wrong", "or rather wait", "anything but", "maybe", "no!", "the opposite of", "except", "never", "a lie",
+    "just kidding", "draft", "rejected", "example", "old answer", "is this true?", "false", "in doubt", "instead:",
+]  # fmt: skip
+
+
+def commented(held, form, words, at):
+    """Return an object as JSON with a comment before, behind or between its members."""
+    parts = re.split(r"(?<=[{,:])|(?=[},])", json.dumps(held))
+    at = min(at, len(parts) - 2)
+    return "".join([*parts[: at + 1], " ", form.format(words), *parts[at + 1 :]])
+
+
+@given(
+    st.sampled_from(sorted(SHEETS)),
+    COMMENTS,
+    st.sampled_from(HARMLESS),
+    st.integers(0, 9),
+)
+def test_comments_in_an_object_are_dropped(question, form, words, at):
+    read, held = SHEETS[question]
+    said = commented({**held, "reasoning": "x"}, form, words, at)
+    assert read(said).value == read(json.dumps(held)).value
+
+
+@given(
+    st.sampled_from(sorted(SHEETS)),
+    COMMENTS,
+    st.sampled_from(DISPUTING),
+    st.integers(0, 9),
+)
+def test_a_comment_that_may_be_against_the_answer_makes_it_unreadable(question, form, words, at):
+    read, held = SHEETS[question]
+    assert read(commented({**held, "reasoning": "x"}, form, words, at)).value is None
+
+
+@given(
+    st.permutations(ACTIONS),
+    COMMENTS,
+    st.sampled_from(["{}", "I would {}", "{} fits as well", '"action": "{}",']),
+    st.booleans(),
+)
+def test_a_comment_may_name_the_answer_and_no_other(actions, form, words, is_spaced):
+    first, second, *_ = (name.replace("_", " ") if is_spaced else name for name in actions)
+    for name, value in ((first, actions[0]), (second, None)):
+        said = commented({"action": actions[0]}, form, words.format(name), 4)
+        assert read_action(said, ACTIONS).value == value
+
+
+@given(st.integers(1, 7), st.sampled_from(["{}", "{}: as listed", "it is {}", "{} fits best"]))
+def test_a_comment_may_hold_the_number_of_the_choice_and_no_other(number, words):
+    said = f'{{"choice": 4 // {words.format(number)}\n}}'
+    assert read_choice(said, LEAVES).value == ("wrong-way" if number == 4 else None)
+
+
+@pytest.mark.parametrize("words", ["is dangerous", "too risky", "would be fatal", "is forbidden"])
+def test_a_comment_that_condemns_the_action_is_against_it(words):
+    assert read_action(f'{{"action": "stop" /* {words} */}}', ACTIONS).value is None
+
+
+CONFIDENT = [8, "8", 101, -1, "-3", "12/10", "0/0", "80-90 %", 1e999, "very high indeed", "banana", "N/A", "...", None, 0.8, "4/5"]  # fmt: skip
+NOT_CONFIDENT = [True, [0.9], {"value": 0.9}, "not that", "yes or no", "or false"]
+
+
+@pytest.mark.parametrize("question", sorted({*SHEETS} - {"description"}))
+@pytest.mark.parametrize("name", ["confidence", "Certainty", "probability"])
+def test_a_confidence_that_cannot_be_read_counts_as_none_in_every_question(question, name):
+    read, held = SHEETS[question]
+    plain = read(json.dumps(held)).value
+    for stated in CONFIDENT:
+        for said in ({**held, name: stated}, {"answer": {**held, name: stated}}):
+            assert read(json.dumps(said)).value == plain or stated in (0.8, "4/5"), stated
+            assert read(json.dumps(said)).outcome == "answered", stated
+    for stated in NOT_CONFIDENT:
+        assert read(json.dumps({**held, name: stated})).value is None, stated
+
+
 NEUTRAL = [
     {"confidence": 1}, {"confidence": 0.8}, {"certainty": "80 %"}, {"confidence": "Very high"}, {"confidence": None},
     {"reasoning": "wet"}, {"step_by_step_reasoning": "wet"}, {"Thoughts": ["wet", "dark"]}, {"why": ""}, {"analysis": None},
@@ -383,7 +470,7 @@ def test_any_other_member_makes_it_unreadable(name, held):
 
 def test_reasons_are_those_of_the_object_and_of_what_it_wraps():
     value = {"reasons": ["wet", "icy"], "answer": {"rationale": "dark", "action": "stop"}}
-    assert unwrap(value, ASKED) == ({"action": "stop"}, "wet\nicy\ndark")
+    assert unwrap(value, ASKED) == ({"action": "stop"}, "wet\nicy\ndark", ())
     assert words_in((" a ", "", 3, ["b"])) == "a; b"
     assert words_in(3) == ""
 

@@ -134,7 +134,6 @@ UNREAD_JSON = {
     "choice": {
         '{"choice": "fallen tree"}',
         '{"choice": 08}',
-        '{"choice": 8 // dog\n}',
         '{"result": {"option_number": 11, "option_text": "Vehicle in a neighbouring lane cutting in"}}',
     },
 }

@@ -46,7 +46,6 @@ BESIDE: list[dict[str, object]] = [
         ("reasoning thoughts explanation", [False]),
         ("confidence certainty", "none whatsoever"),
         ("confidence certainty", False),
-        ("confidence", -1),
     )
     for name in names.split()
 ]  # fmt: skip
