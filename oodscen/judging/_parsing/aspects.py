@@ -6,7 +6,12 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from oodscen._prose import fold, is_refusal, tidy
-from oodscen.judging._parsing.confidence import CONFIDENT, confidence_in, one_probability
+from oodscen.judging._parsing.confidence import (
+    CONFIDENT,
+    confidence_in,
+    one_probability,
+    without_confidence,
+)
 from oodscen.judging._parsing.denials import (
     ODD,
     calls_odd,
@@ -48,10 +53,6 @@ _MERE_YES = re.compile(
     rf"\W*(?:{_AFFIRMATION}(?:[\s,.!]+{_AFFIRMATION})*[\s.!]*\Z|true ?[,.:;!])", re.IGNORECASE
 )
 """Matches what names no aspect, though it may stand in the place of one."""
-_LAST_CONFIDENCE = re.compile(
-    rf"[\s.,;:(\u2013\u2014-]{{0,4}}(?:{CONFIDENT.pattern})[\s.)]{{0,4}}\Z", re.IGNORECASE
-)
-"""Matches a confidence that ends prose, with the marks around it."""
 _LEAD = re.compile(
     r"\A\W*(?:the (?:main |one )?(?:ood|unusual|most unusual) (?:aspect|thing) is:? "
     rf"|{ODD} ?[:?] ?(?=yes\b))",
@@ -120,8 +121,8 @@ def _pick_detection(value: Mapping[str, Any]) -> Detected | None:
     found = [_detected_in_member(answer) for answer in answers]
     if len({one.is_ood for one in found}) > 1:
         raise UnusableError(TWO_ANSWERS)
-    stated = (*members(value, CONFIDENCE), *(one.confidence for one in found))
-    confidence = one_probability(stated)
+    beside = (*(one.confidence for one in found), *map(confidence_in, _aspects(value)))
+    confidence = one_probability((*members(value, CONFIDENCE), *beside))
     if found[0].is_ood:
         aspect = _words_of_aspect(value) or found[0].aspect
         contradiction = None if aspect and _name_or_nothing(aspect) else aspect
@@ -139,7 +140,7 @@ def _words_of_aspect(value: Mapping[str, Any]) -> str:
         raise UnusableError(TWO_ANSWERS)
     if not aspects:
         return ""
-    words = _without_yes(names.pop()) if names else ""
+    words = _bare(names.pop()) if names else ""
     _check_name(words)
     return words
 
@@ -160,7 +161,7 @@ def _pick_name(value: Mapping[str, Any]) -> str | None:
 
 def _name_or_nothing(words: str) -> str:
     """Return the name of an aspect; empty if the words say that there is none."""
-    words = _without_yes(words)
+    words = _bare(words)
     _check_name(words)
     is_nothing = says_nothing(plain_words(words))
     if is_nothing is None:
@@ -170,9 +171,9 @@ def _name_or_nothing(words: str) -> str:
     return "" if is_nothing else words
 
 
-def _without_yes(words: str) -> str:
-    """Return words without the "yes" that leads to the name of an aspect."""
-    return _LEADING_YES.sub("", words)
+def _bare(words: str) -> str:
+    """Return the words that name an aspect without a "yes" before them and a confidence beside them."""
+    return _LEADING_YES.sub("", without_confidence(words))
 
 
 def _check_name(words: str) -> None:
@@ -199,7 +200,7 @@ def _detected_in_prose(prose: str) -> Detected | None:
     """Parse one yes or no, with words that agree with it, or a plain denial of what is odd."""
     if is_open(plain_words(prose)) or _declines(prose):
         return None
-    said = CONFIDENT.sub("", prose)
+    said = CONFIDENT.sub("", without_confidence(prose))
     answers = list(_ANSWER.finditer(said))
     if not answers:
         is_plain = "?" not in said and denies_what_is_odd(plain_words(said))
@@ -264,6 +265,7 @@ def _check_short(prose: str) -> None:
 
 
 def _named_in_prose(prose: str) -> str | None:
+    prose = without_confidence(prose)
     labelled = _labelled(prose)
     if labelled is not None:
         return _name_or_nothing(labelled)
@@ -273,19 +275,14 @@ def _named_in_prose(prose: str) -> str | None:
         return None
     if not re.search(r"\w", plain) or _declines(prose):
         return None
-    return _name_or_nothing(_without_confidence(_LEAD.sub("", prose)))
+    return _name_or_nothing(_LEAD.sub("", prose).strip(" \n."))
 
 
 def _labelled(prose: str) -> str | None:
-    """Return what follows the label "aspect", without a confidence; `None` without the label."""
-    aspects = {_without_confidence(match[1]).strip(" '") for match in _LABELLED.finditer(prose)}
+    """Return what follows the label "aspect"; `None` without the label."""
+    aspects = {_bare(match[1]).strip(" .'") for match in _LABELLED.finditer(prose)}
     if len(aspects) > 1:
         raise UnusableError(TWO_ANSWERS)
     for aspect in aspects:
         _check_name(aspect)
     return aspects.pop() if aspects else None
-
-
-def _without_confidence(words: str) -> str:
-    """Return the words of an aspect without the confidence that ends them."""
-    return _LAST_CONFIDENCE.sub("", words).strip(" \n.")

@@ -49,6 +49,20 @@ def confidence_in(prose: str) -> float | None:
     )
 
 
+def without_confidence(prose: str, least: float = 0.0) -> str:
+    """Return tidied prose without the sentences, lines, brackets and endings that state a confidence.
+
+    A share below the least stays, as does a doubt such as "not 80 % sure" if there is a least.
+    """
+
+    def rest(clause: re.Match[str]) -> str:
+        share = probability(clause["alone"] or clause["before"])
+        is_hedge = least > 0.0 and not clause["after"] and (share is None or share < least)
+        return clause[0] if is_hedge else ""
+
+    return _CLAUSE.sub(rest, prose).strip()
+
+
 def _share(number: float, whole: float = 1.0) -> float | None:
     if whole == 1.0 and 10.0 < number <= 100.0:
         whole = 100.0
@@ -77,10 +91,16 @@ _UP_TO = rf"\s?(?:[\u2013\u2014-]|to)\s?{_DIGITS}(?:\s?%)?"
 _WORDS = "|".join(sorted(map(re.escape, _DEGREES), reverse=True)).replace(r"\ ", "[ _-]")
 _SURE = r"(?:sure|certain|confident|confidence|certainty)"
 CONFIDENT = re.compile(
-    r"(?:confidence|certainty)(?: (?:level|is|of|at))* ?[:=]? ?(?:about |around |~ ?)?"
+    r"(?:\bmy )?(?:confidence|certainty)(?: (?:level|is|of|at))* ?[:=]? ?(?:about |around |~ ?)?"
     rf"(?P<after>(?:{_SCALED}|{_DIGITS})(?:{_UP_TO})?|{_WORDS})(?![\w/]|[.,]\d| ?(?:out )?of\b)"
     rf"|\((?P<alone>0?\.\d+|1\.0+|{_SCALED})\)"
-    rf"|(?:(?:with|i am|i'm) )?(?:(?:not|less than) {_SCALED}|(?<!n't )(?P<before>{_SCALED})) {_SURE}",
+    rf"|(?:(?:with|i am|i'm) )?(?:(?:about|around|roughly) )?(?:(?:not|less than) {_SCALED}|(?<!n't )(?P<before>{_SCALED})) {_SURE}",
     re.IGNORECASE,
 )
 """Matches a confidence in prose, also one that states no probability, such as "1-5 %" and "not 100 % sure"."""
+_CLAUSE = re.compile(
+    r"(?:\A|(?P<mark>\s{0,4}[.,;:!\n(\u2013\u2014-]\s{0,4}|\s{1,4}))"
+    rf"(?:{CONFIDENT.pattern})\)?(?(mark)(?=\s{{0,4}}(?:[.,;:!\n]|\Z))|\s{{0,4}}(?:[.,;:!\n]\s{{0,4}}|\Z))",
+    re.IGNORECASE,
+)
+"""Matches a confidence that is a clause of its own, with the mark before it, or behind it at the start."""

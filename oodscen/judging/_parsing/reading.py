@@ -192,7 +192,7 @@ def _labelled(prose: str, requested: re.Pattern[str]) -> dict[str, Any] | None:
             members[name] = f"{members[name]}\n{line}".strip()
         elif not _HEADING.fullmatch(fold(line)):
             return None
-    if not any(requested.fullmatch(name) for name in members):
+    if not any(requested.fullmatch(name) and not CONFIDENCE.fullmatch(name) for name in members):
         return None
     return {name: words.strip(" .") for name, words in members.items()}
 
