@@ -7,6 +7,7 @@ from typing import Any, Literal, assert_never, get_args
 
 from pydantic import Field, model_validator
 
+from oodscen._arguments import instances_of
 from oodscen.data._base import Data
 from oodscen.data._catalogue import (
     LANDMARKS,
@@ -114,7 +115,12 @@ def extend(catalogue: Catalogue, additions: Iterable[Addition]) -> Catalogue:
 
     A placeholder has a name and a plausible size but cannot be drawn: it shows what could be staged, not
     how it would look. An addition of kind `other`, or that the catalogue has already, changes nothing.
+
+    Raises:
+        UsageError: If one is no addition.
     """
+    additions = tuple(additions)
+    instances_of("additions", additions, Addition)
     # A state needs its asset.
     for addition in sorted(additions, key=lambda addition: addition.kind == "state"):
         catalogue = catalogue.model_copy(update=_changes(catalogue, addition))

@@ -217,6 +217,9 @@ class Catalogue(LeanData):
 
         Args:
             additions: The additions, e.g. those of `Pruner.restoration`.
+
+        Raises:
+            UsageError: If one is no addition.
         """
         from oodscen.data._additions import extend
 

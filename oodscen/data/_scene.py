@@ -33,8 +33,8 @@ MAX_SPEED = 45
 """Highest speed of the ego, m/s."""
 MAX_ACTORS = 400
 """Largest number of actors of a scene."""
-LONGEST_HORIZON_S = 60.0
-"""Longest time for which an action is watched, s."""
+SHORTEST_HORIZON_S, LONGEST_HORIZON_S = 0.1, 60.0
+"""Least and greatest time for which an action is watched, s."""
 
 
 Precipitation = Literal["none", "rain", "snow"]
@@ -220,7 +220,7 @@ class Scene(LeanData, SceneUses):
     hazard: Hazard
     decision: Trigger
     """The ego's moment of choice; a trigger by distance or time to collision must name its actor."""
-    horizon_s: float = Field(default=8.0, gt=0, le=LONGEST_HORIZON_S)
+    horizon_s: float = Field(default=8.0, ge=SHORTEST_HORIZON_S, le=LONGEST_HORIZON_S)
     """Duration for which an action is watched, s, counted from the decision."""
     stands_for: dict[str, tuple[str, ...]] = {}
     """Ids of the actors that show a thing of the text, by its name in the claims, where the words alone do not

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from oodscen._numbers import said
 from oodscen.baselines._reading import Record, read_records
 from oodscen.errors import UsageError
 from oodscen.metrics._oodness import Definition
@@ -47,6 +48,8 @@ def _texts_inside(
     definition: Definition,
 ) -> Band:
     """Return the texts inside a band, at least one."""
+    if len(bounds) != 2:
+        raise UsageError(f"band must be its two bounds, not {said(bounds, 80)}")
     texts = [record.text for record in records]
     band = metrics.band(texts, *bounds, definition=definition)
     if not band.texts:

@@ -14,7 +14,7 @@ from oodscen._members import conforming, is_interruption, message, reason, worki
 from oodscen._numbers import seed_number
 from oodscen._progress import Progress, counted, reporting
 from oodscen._registry import driver_maker
-from oodscen._text import one_line, printable, whole
+from oodscen._text import is_name, one_line, printable
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import is_twin, twin_id
@@ -88,8 +88,8 @@ def drive(
         driver if isinstance(driver, str) else getattr(driver, "__name__", type(driver).__name__)
     )
     label = name or own_name
-    if not isinstance(label, str) or not label.strip() or whole(label) != label:
-        raise UsageError(f"drive() needs a name for the driver, not {label!r:.80}")
+    if not isinstance(label, str) or not is_name(label):
+        raise UsageError(f"drive() needs a name of one line for the driver, not {label!r:.80}")
     scenes = _distinct(scenes, twins)
     make = driver_maker(driver) if isinstance(driver, str) else driver
     drives = _Drives(make, simulator, label, seed, twins, camera)

@@ -25,7 +25,7 @@ from oodscen.data._episode import (
     share_of,
 )
 from oodscen.data._reactions import REACTIONS_S
-from oodscen.data._scene import LONGEST_HORIZON_S, Scene
+from oodscen.data._scene import LONGEST_HORIZON_S, SHORTEST_HORIZON_S, Scene
 from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._checked_simulator import checked_simulator, scene_copy
 from oodscen.driving._exclusive import exclusive
@@ -151,7 +151,7 @@ def simulate(
     if "last" not in in_order(moments):
         raise UsageError("moments must have the moment of the decision, 'last', among them")
     if horizon is not None:
-        seconds = finite_number("horizon", horizon, 0.1, LONGEST_HORIZON_S)
+        seconds = finite_number("horizon", horizon, SHORTEST_HORIZON_S, LONGEST_HORIZON_S)
         scene = scene.model_copy(update={"horizon_s": seconds})
     with exclusive(simulator), scene_copy(scene, simulator.name) as given:
         with working("simulator", simulator.name):

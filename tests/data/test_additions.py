@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from oodscen.data._additions import Addition, AdditionKind, extend, map_with
 from oodscen.data._catalogue import Catalogue
+from oodscen.errors import UsageError
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.testing._flat import FlatSimulator
 
@@ -119,3 +120,8 @@ def test_an_added_map_has_the_lanes_that_its_traits_name(traits):
     assert added.oncoming_lanes == int("oncoming" in traits)
     assert added.has_shoulder == ("shoulder" in traits)
     assert added.landmarks == (("tunnel",) if "tunnel" in traits else ())
+
+
+def test_what_is_no_addition_is_refused():
+    with pytest.raises(UsageError, match="each element of additions"):
+        CATALOGUE.extended([1])

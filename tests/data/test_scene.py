@@ -213,6 +213,7 @@ def test_a_scene_without_a_hazard_is_none():
         ({"actors": [{"id": "Ä", "asset": "car", "placement": {"ahead_m": 1}}]}, "actors[0].id"),
         ({"id": "../up"}, "id"),
         ({"horizon_s": 0}, "horizon_s"),
+        ({"horizon_s": 0.01}, "horizon_s"),
         ({"decision": {"kind": "distance", "value": 25}}, "decision.actor"),
         ({"decision": {"kind": "ttc", "value": 2, "actor": "ego"}}, "decision.actor"),
     ],

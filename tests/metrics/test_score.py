@@ -48,6 +48,9 @@ def test_a_band_narrows_the_report(lines):
     assert report.band.below == 1
     with pytest.raises(UsageError):
         Metrics(HashEncoder(), baseline).score_file(lines, band=(0.99, 1.0))
+    for bounds in ((-1,), (-1, 0, 1)):
+        with pytest.raises(UsageError, match="two bounds"):
+            Metrics(HashEncoder(), baseline).score_file(lines, band=bounds)
 
 
 def test_a_file_that_is_missing_or_empty_is_a_data_error(tmp_path):

@@ -7,6 +7,8 @@ import pytest
 
 from oodscen.data._scene import Ego, Hazard, Scene, Trigger, Weather
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
+from oodscen.errors import SceneError
+from oodscen.protocols import Camera
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 
@@ -81,3 +83,13 @@ def test_the_marks_on_both_outer_edges_of_a_road_are_drawn(flat, tmp_path):
     bright = np.flatnonzero((picture[100] > 190).all(axis=1))
     assert len(bright) >= 2
     assert bright[-1] - bright[0] == pytest.approx(3.5 * 480 / 72, abs=2)
+
+
+def test_a_catalogue_without_an_actor_s_asset_is_told(flat):
+    scene, catalogue = example_scene(), flat.catalogue()
+    state = flat.reset(scene, 0)
+    poorer = catalogue.model_copy(update={"assets": ()})
+    with pytest.raises(SceneError, match="no asset 'cardboard_box'"):
+        scene.birds_eye(state, poorer)
+    with pytest.raises(SceneError, match="no asset 'cardboard_box'"):
+        scene.annotate(flat.render(Camera()), state, poorer)

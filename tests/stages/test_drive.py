@@ -208,7 +208,7 @@ def test_every_drive_has_an_id_of_its_own(simulator):
             drive(scenes, RuleBasedDriver, simulator)
 
 
-@pytest.mark.parametrize("name", [" ", "\ud800", 5])
+@pytest.mark.parametrize("name", [" ", "\ud800", "a\nb", "a\u202eb", 5])
 def test_a_driver_has_a_name(simulator, name):
     with pytest.raises(UsageError, match="name"):
         drive([example_scene()], RuleBasedDriver, simulator, name=name)

@@ -15,7 +15,7 @@ from oodscen.driving._motion.behaviours import having
 from oodscen.driving._motion.boxes import Footprint, gap, radius
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.visibility import Eye, UprightBox, is_noticeable
-from oodscen.errors import Issue
+from oodscen.errors import Issue, SceneError
 from oodscen.protocols import Camera
 
 AFLOAT_M = 0.3
@@ -68,14 +68,22 @@ Moments = Mapping[str, Sequence[PlacedBody]]
 def bodies(
     scene: Scene, catalogue: Catalogue, poses: NDArray[np.float64]
 ) -> tuple[PlacedBody, ...]:
-    """Return all bodies at poses, [n, 4], the ego first."""
+    """Return all bodies at poses, [n, 4], the ego first.
+
+    Raises:
+        SceneError: If the catalogue lacks the asset of an actor.
+    """
+    try:
+        kinds = catalogue.bodies(scene)
+    except KeyError as error:
+        raise SceneError(
+            scene.id, [Issue("actors", f"the catalogue has no asset {error}")]
+        ) from None
     return tuple(
         PlacedBody(
             name, asset.id, UprightBox(x, y, z, yaw, asset.length, asset.width, asset.height)
         )
-        for (name, asset, _), (x, y, z, yaw) in zip(
-            catalogue.bodies(scene), poses.tolist(), strict=True
-        )
+        for (name, asset, _), (x, y, z, yaw) in zip(kinds, poses.tolist(), strict=True)
     )
 
 

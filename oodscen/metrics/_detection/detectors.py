@@ -13,7 +13,7 @@ the baseline, mu and Sigma their mean and covariance.
                   their 10 nearest; texts tied for the last places count in equal parts. At least 0; about 1 for
                   ordinary text. After Breunig et al., *LOF*, 2000. Misled by near-duplicates in the baseline, next
                   to which everything is sparse.
-    whitened      -max cos(W(b - mu), W(e - mu)), W = Sigma^-1/4: features that vary much among ordinary texts
+    whitened      -max cos(W(b - mu), W(e - mu)), W = (Sigma + c I)^-1/4, c = 4 % of the mean variance: features that vary much among ordinary texts
                   (place, wording) weigh less. In [-1, 1]. Misled by rare words in ordinary texts.
     events        judgement + novelty + leaning / 2, each in standard deviations of the baseline about its mean.
                   *Judgement* is the mean of the projections of the text, and of its clauses (averaged), on

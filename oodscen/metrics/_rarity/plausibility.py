@@ -56,18 +56,20 @@ _IMPOSSIBLE = tuple(
 _WHOLE: Final = r"(?<![\w.,])([1-9]\d{0,2}(?:[%s\s]\d{3}){1,4}|\d+)(?:[.,]\d+)?[\s-]*"
 """A number whose groups of three digits these signs part; the digit of a road such as A9 is none of it."""
 _AN_HOUR, _A_SECOND = r"\s?(?:/|per|an)\s?h(?:our)?", r"\s?(?:/|per)\s?s(?:ec(?:ond)?)?"
-_FASTEST: Final = tuple(
-    (re.compile(rf"{_WHOLE % separators}(?:{units})\b"), limit)
-    for units, separators, limit in (
-        (rf"k(?:ilo)?m(?:et(?:re|er)s?)?{_AN_HOUR}|km?ph|kmh", ",.'’", 500),
-        (rf"mi(?:les?)?{_AN_HOUR}|mph", ",.'’", 310),
-        ("knots?|kts", ",.'’", 270),
+_FASTEST_KMH: Final = 500.0
+"""Greatest speed of a road vehicle, km/h."""
+_SPEEDS: Final = tuple(
+    (re.compile(rf"{_WHOLE % separators}(?:{units})\b"), kmh)
+    for units, separators, kmh in (
+        (rf"k(?:ilo)?m(?:et(?:re|er)s?)?{_AN_HOUR}|km?ph|kmh", ",.'’", 1.0),
+        (rf"mi(?:les?)?{_AN_HOUR}|mph", ",.'’", 1.609344),
+        ("knots?|kts", ",.'’", 1.852),
         # Slow speeds have three decimals in these.
-        (rf"m(?:et(?:re|er)s?)?{_A_SECOND}", ",'’", 140),
-        (rf"f(?:ee|oo)?t{_A_SECOND}", ",'’", 456),
+        (rf"m(?:et(?:re|er)s?)?{_A_SECOND}", ",'’", 3.6),
+        (rf"f(?:ee|oo)?t{_A_SECOND}", ",'’", 1.09728),
     )
 )
-"""Speeds by their units, and the greatest of a road vehicle in each."""
+"""Speeds by their units, and a unit's km/h."""
 
 _EVENT = re.compile(
     r"\b(?:explod|collaps|burst|erupt|overturn|derail|ignit|faint|capsiz|jackknif|run(?:s|ning)? loose|ran loose)\w*"
@@ -90,8 +92,8 @@ def is_impossible(text: str) -> bool:
     if any(pattern.search(lower) for pattern in _IMPOSSIBLE):
         return True
     return any(
-        float(re.sub(r"\D", "", number)) > limit
-        for speed, limit in _FASTEST
+        kmh * float(re.sub(r"\D", "", number)) > _FASTEST_KMH
+        for speed, kmh in _SPEEDS
         for number in speed.findall(lower)
     )
 

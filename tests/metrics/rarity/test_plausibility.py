@@ -101,8 +101,23 @@ UNITS = {
 def test_speeds_are_read_in_every_unit(measured, value, separator, fraction, blank):
     kmh, unit = measured
     text = f"A car at {f'{value:,}'.replace(',', separator)}{fraction}{blank}{unit} passes."
-    if not 480 < value * kmh < 520:
+    if not 499 < value * kmh < 501:
         assert is_impossible(text) == (value * kmh > 500)
+
+
+@pytest.mark.parametrize(
+    ("slow", "fast", "unit"),
+    [
+        (500, 501, "km/h"),
+        (310, 311, "mph"),
+        (269, 270, "knots"),
+        (138, 139, "m/s"),
+        (455, 456, "ft/s"),
+    ],
+)
+def test_the_greatest_speed_is_the_same_in_every_unit(slow, fast, unit):
+    assert not is_impossible(f"A car drives at {slow} {unit}.")
+    assert is_impossible(f"A car drives at {fast} {unit}.")
 
 
 @pytest.mark.parametrize(
