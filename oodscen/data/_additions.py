@@ -96,13 +96,17 @@ def _tidy(value: Any) -> Any:
     if not isinstance(value, Mapping):
         return value
     name, kind = value.get("name"), value.get("kind")
-    if isinstance(name, str) and kind == "state":
-        return {**value, "name": ": ".join(filter(None, map(str.strip, name.split(":"))))}
-    if not isinstance(name, str) or kind not in ("asset", "behaviour", "weather", "map"):
+    if not isinstance(name, str) or kind == "other":
         return value
-    parts = name.casefold().split("+") if kind == "map" else [name.casefold()]
-    ids = ("_".join(part.split()) for part in parts)
-    return {**value, "name": " + ".join(filter(None, ids))}
+    if kind == "state":
+        parts = [*filter(None, map(str.strip, name.split(":")))]
+        return {**value, "name": ": ".join((*map(_as_id, parts[:1]), *parts[1:]))}
+    parts = name.split("+") if kind == "map" else [name]
+    return {**value, "name": " + ".join(filter(None, map(_as_id, parts)))}
+
+
+def _as_id(words: str) -> str:
+    return "_".join(words.casefold().split())
 
 
 def map_with(traits: Iterable[str]) -> Addition:

@@ -34,6 +34,7 @@ def test_it_survives_its_json(kind, name):
         ("a behavior: spin", "behaviour", "spin"),
         ("a state: car: beacon", "state", "car: beacon"),
         ("state: car:beacon", "state", "car: beacon"),
+        ("state: Police Car: beacon", "state", "police_car: beacon"),
         ("map: bridge + urban", "map", "bridge + urban"),
         ("a map: Rail  Crossing+urban +", "map", "rail_crossing + urban"),
     ],

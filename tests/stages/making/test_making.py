@@ -170,6 +170,13 @@ def test_a_leaf_that_lacks_only_things_is_judged_again_with_them() -> None:
     assert wanted_things(tree, [again, *judged[1:]], FLAT_CATALOGUE) == [wanted]
 
 
+@pytest.mark.parametrize("wall", ["low_wall", "Low Wall", "low wall"])
+def test_the_design_of_a_thing_gives_its_states_however_a_model_spells_it(wall: str) -> None:
+    lacks = [Addition.model_validate(text) for text in (f"asset: {wall}", f"state: {wall}: wet")]
+    assert is_makeable(decision("leaf", ("Root",), *lacks))
+    assert not is_makeable(decision("leaf", ("Root",), lacks[0], Addition.model_validate("state: car: wet")))  # fmt: skip
+
+
 def test_a_scene_carries_the_designs_that_it_shows() -> None:
     draft = SceneDraft.model_validate(
         {
