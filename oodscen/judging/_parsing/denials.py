@@ -97,10 +97,11 @@ _COUPLED = re.compile(
     r"(?:\A|(?<=[.;:\n] ))(?:(?:all|the|other|both) )*(?!(?:no|not|none|nothing)\b)\w+(?:, \w+)*,? and (?=\w)"
 )
 """Matches nouns that share what follows, at the start of a sentence: "cars and pedestrians behave normally"."""
+_HEADED = r"(?!(?:an?|no|not|nothing|is|are|was|were|has|have|looks?|seems?)\b)\w+"
 _HEADING = re.compile(
-    rf"(?<![\w'])(?<!\w )(?:{ODD} )?(?:{ODD}|{_TOPIC}) ?: ?(?=(?:none|nothing)\b)"
+    rf"(?<![\w'])(?<!\w )(?!in |on )({_HEADED}(?: {_HEADED}){{0,4}}) ?: ?(?:none|nothing)\b(?! of\b)"
 )
-"""Matches the heading of a denial: "hazards: none"."""
+"""Matches the heading of a denial, and what it denies: "hazards: none", but not "it is odd: nothing moves"."""
 _PLACEHOLDER = re.compile(
     r"\A\W*(?:nil|null|false|n/?a|not applicable|unknown|undefined|nope|nah|zero|absent|empty)(?=\s*(?:[^\w\s]|\Z))"
 )
@@ -153,7 +154,7 @@ def goes_with_yes(plain: str) -> bool:
 
 def _clauses_said(plain: str) -> list[Said]:
     """Return what the clauses of plain words say, in order."""
-    plain = _HEADING.sub("", _PLACEHOLDER.sub("none", plain))
+    plain = _HEADING.sub(r"no \1", _PLACEHOLDER.sub("none", plain))
     joined = _COUPLED.sub(lambda nouns: re.sub(r",|\band ", "", nouns[0]), plain)
     return [_said(kinds) for clause in _CLAUSES.split(joined) if (kinds := _kinds(clause))]
 

@@ -140,6 +140,7 @@ OPEN = (
     "No problem: a deer is on the road", "Everything looks normal, with a deer",
     "No deer on the road", "This is not normal", "An ordinary car drives the wrong way", "No one is driving", "A lorry drives as usual",
     "Nothing holds the load", "Nobody at the wheel", "Weather", "There is", "I am not sure whether anything is unusual",
+    "Frame 3: nothing unusual", "Left lane: nothing. Right lane: nothing", "Verdict: nothing unusual",
 )  # fmt: skip
 
 
@@ -377,13 +378,25 @@ def test_an_abbreviation_ends_no_sentence(aspect):
 
 
 @pytest.mark.parametrize(
-    "heading", ["Hazards", "Anomalies", "Unusual objects", "Unusual", "Problem"]
-)
+    "heading",
+    ["Hazards", "Anomalies", "Unusual objects", "Unusual", "Problem", "Potential hazards", "The main OOD aspect", "Hazards on the road"],
+)  # fmt: skip
 @pytest.mark.parametrize("nothing", ["none", "nothing", "none visible", "nothing unusual"])
 def test_a_heading_is_no_aspect(heading, nothing):
     assert read_named_aspect(f"{heading}: {nothing}").value == ""
     assert read_named_aspect(f"Weather: clear. {heading}: {nothing}").value == ""
+    assert read_aspect(f"{heading}: {nothing}").value in (Detected(False), None)
     assert read_named_aspect(f"A dead cow: {nothing}").value != ""
+
+
+@pytest.mark.parametrize(
+    "thing", ["Animals", "Deer", "Other road users", "Pedestrians on the road"]
+)
+def test_a_denied_thing_is_no_aspect_and_goes_with_no(thing):
+    assert read_named_aspect(f"{thing}: none").outcome == "unparsed"
+    assert read_aspect(f"No. {thing}: none. Obstacles: none.").value == Detected(False)
+    assert read_aspect(f"Yes. {thing}: none. Obstacles: none.").value is None
+    assert read_named_aspect("Driver: none").value == "Driver: none"
 
 
 @pytest.mark.parametrize("users", ["Cars and pedestrians", "All vehicles and cyclists", "Cars, cyclists and people"])  # fmt: skip
