@@ -140,11 +140,11 @@ class _Canvas:
         self.colour[:] = _sky(weather)
 
     def paint_ground(self, height: float, road: Corridor) -> None:
-        """Paint the ground plane at a height: grass, road strips and lane marks, and snow on them."""
+        """Paint the ground plane at a height: grass, road strips and lane marks, and snow on them; nothing from below."""
         eye = self.eye
         _, v = tangents(eye.camera)
         below = eye.forward[2] + v * eye.down[2] < -_LEVEL
-        if not below.any():
+        if not below.any() or eye.place[2] <= height:
             return
         rows = slice(int(below.argmax()), None)
         x, y, z = _rays(eye, rows, slice(None))
@@ -190,9 +190,8 @@ class _Canvas:
         if day < 1.0:
             beam = _BEAM_M / (_BEAM_M + np.where(is_sky, 0.0, self.depth))
             beam *= beam * beam * _BEAM
-            u, _ = tangents(self.eye.camera)
-            aside = np.minimum(np.abs(u) / _BEAM_EDGE, 1.0)[None, :]
-            light = np.minimum(1.0, day + (1.0 - day) * beam * (1.0 - _BEAM_LOSS * aside * aside))
+            share = _share_of_beam(self.eye.camera)
+            light = np.minimum(1.0, day + (1.0 - day) * beam * share)
             colour = colour * np.where(is_sky, day, light)[..., None]
         if fog_m < CLEAR_AIR_M:
             clear = _transmittance(np.where(is_sky, _FAR_M, self.depth), fog_m)[..., None]
@@ -202,6 +201,15 @@ class _Canvas:
         np.floor(picture, out=picture)
         rgb = np.clip(picture, 0.0, 255.0, out=picture).astype(np.uint8)
         return Frame(rgb=rgb, depth=self.depth.astype(np.float32), ids=self.ids, tags=self.tags)
+
+
+def _share_of_beam(camera: Camera) -> Floats:
+    """Return the share of the headlights' light in the columns of a camera, which may be turned: [width]."""
+    u, _ = tangents(camera)
+    yaw = math.radians(camera.yaw_deg)
+    ahead, across = math.cos(yaw) + u * math.sin(yaw), u * math.cos(yaw) - math.sin(yaw)
+    aside = np.minimum(np.abs(across) / np.maximum(_BEAM_EDGE * ahead, _PARALLEL), 1.0)
+    return np.where(ahead > 0.0, 1.0 - _BEAM_LOSS * aside * aside, 0.0)
 
 
 def _rays(eye: Eye, rows: slice, columns: slice) -> tuple[Floats, Floats, Floats]:

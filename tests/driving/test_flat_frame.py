@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -87,6 +88,20 @@ def test_night_is_dark_but_for_the_headlights() -> None:
     night = render(with_weather(scene(), sun_elevation_deg=-20.0))
     assert night.rgb.mean() < 0.35 * day.rgb.mean()
     assert night.rgb[115, 80].mean() > 2 * night.rgb[70, 80].mean()
+
+
+@pytest.mark.parametrize("yaw_deg", [90.0, 180.0, -135.0])
+def test_headlights_shine_ahead_also_if_the_camera_is_turned(yaw_deg: float) -> None:
+    night = with_weather(scene(), sun_elevation_deg=-20.0)
+    ahead, turned = render(night), render(night, replace(CAMERA, yaw_deg=yaw_deg))
+    assert turned.rgb[115, 80].mean() < 0.3 * ahead.rgb[115, 80].mean()
+
+
+@pytest.mark.parametrize("z", [0.0, -0.5, -30.0])
+def test_the_ground_has_no_underside(z: float) -> None:
+    frame = render(scene(actor("a", "truck", ahead=20.0)), replace(CAMERA, z=z))
+    assert (frame.depth > 0.0).all()
+    assert np.isinf(frame.depth[frame.ids == 0]).all()
 
 
 def test_snow_whitens_the_ground() -> None:
