@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 import click
-from click.core import ParameterSource
 
 from oodscen._cli.numbers import SHARE, FiniteRange
 from oodscen._cli.options import json_option, refuse_idle
@@ -66,10 +65,10 @@ def power(
 ) -> None:
     """Print the number of scenes needed to tell the success rates FIRST and SECOND apart, e.g. 0.66 0.51."""
     from oodscen.judging._leaderboard.power import distinct_percents, power_of, scenes_needed
+    from oodscen.judging._rates_in_words import number_of
 
-    source = click.get_current_context().get_parameter_source("power_")
-    if scenes is not None and source is ParameterSource.COMMANDLINE:
-        raise click.UsageError("--scenes prints the power of that many scenes: leave out --power")
+    if scenes is not None:
+        refuse_idle("with --scenes, which prints the power of that many scenes", "power_")
     if unpaired:
         refuse_idle("with --unpaired", "agreement")
     design: dict[str, Any] = {
@@ -80,17 +79,18 @@ def power(
         "per_path": per_path,
         "icc": icc,
     }
-    needed = scenes_needed(first, second, power=power_, **design)
     if scenes is None:
+        needed = scenes_needed(first, second, power=power_, **design)
         say(needed.model_dump_json(indent=2) if as_json else str(needed))
         return
     achieved = power_of(first, second, scenes, **design)
     if as_json:
         say(json.dumps({"scenes": scenes, "power": achieved}))
         return
-    paths = f" in paths of {per_path} that correlate by {icc:g}" if per_path > 1 and icc else ""
+    size = min(per_path, scenes)
+    paths = f" in paths of {size} that correlate by {icc:g}" if size > 1 and icc else ""
     (percent,) = distinct_percents(achieved)
-    say(f"{scenes} scenes{paths} detect that difference with a power of {percent}")
+    say(f"{number_of(scenes, 'scene')}{paths} can show that difference with a power of {percent}")
 
 
 @click.command()

@@ -85,7 +85,9 @@ def test_power_says_how_many_scenes_it_takes() -> None:
 
 def test_power_of_a_given_number() -> None:
     found = CliRunner().invoke(main, ["power", "0.66", "0.51", "--scenes", "130", "--icc", "0"])
-    assert found.output == "130 scenes detect that difference with a power of 68%\n"
+    assert found.output == "130 scenes can show that difference with a power of 68%\n"
+    one = CliRunner().invoke(main, ["power", "0.66", "0.51", "--scenes", "1"])
+    assert one.output == "1 scene can show that difference with a power of 4%\n"
     close = ["power", "0.66", "0.6601", "--scenes", "3000000"]
     assert CliRunner().invoke(main, close).exit_code == 0
 

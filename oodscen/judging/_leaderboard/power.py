@@ -134,7 +134,8 @@ def scenes_needed(
     # One scene has more power than so little that the sum is negative.
     reach = max(design.z_alpha * under_null + z_power * under_truth, 0.0)
     exact = (reach / abs(first - second)) ** 2
-    paths = max(math.ceil(exact * design.effect / per_path - _ROUNDING), 1)
+    effect = design.effect(per_path)
+    paths = max(math.ceil(exact * effect / per_path - _ROUNDING), 1)
     return SampleSize(
         first=first,
         second=second,
@@ -147,7 +148,7 @@ def scenes_needed(
         independent=max(math.ceil(exact - _ROUNDING), 1),
         per_path=per_path,
         icc=icc,
-        design_effect=design.effect,
+        design_effect=effect,
         scenes=paths * per_path,
         paths=paths,
     )
@@ -205,10 +206,9 @@ class _Design:
         """The normal quantile of the two-sided level, after Holm's first step."""
         return -_NORMAL.inv_cdf(self.alpha / self.comparisons / 2)
 
-    @property
-    def effect(self) -> float:
-        """Kish's design effect."""
-        return 1 + (self.per_path - 1) * self.icc
+    def effect(self, per_path: int) -> float:
+        """Return Kish's design effect of paths with a number of scenes."""
+        return 1 + (per_path - 1) * self.icc
 
     @property
     def _spread(self) -> float:
@@ -246,6 +246,6 @@ class _Design:
         """Return the probability that a number of scenes shows the difference."""
         scenes = whole_number("scenes", scenes, 1, _MOST_SCENES)
         under_null, under_truth = self.deviations
-        root = math.sqrt(scenes / self.effect)
+        root = math.sqrt(scenes / self.effect(min(self.per_path, scenes)))
         reach = abs(self.first - self.second) * root - self.z_alpha * under_null
         return _NORMAL.cdf(reach / under_truth) if under_truth else float(reach > 0)

@@ -64,6 +64,15 @@ def test_a_single_scene_or_path_is_one_in_words() -> None:
     assert " = 1 path of 9 (" in str(scenes_needed(0.01, 0.99, per_path=9))
 
 
+@given(RATES, st.integers(1, 30), st.integers(1, 30), st.floats(0, 1))
+def test_a_path_has_no_more_scenes_than_there_are(
+    rates: tuple[float, float], scenes: int, per_path: int, icc: float
+) -> None:
+    power = power_of(*rates, scenes, per_path=per_path, icc=icc)
+    assert power == power_of(*rates, scenes, per_path=min(per_path, scenes), icc=icc)
+    assert power <= power_of(*rates, scenes + 1, per_path=per_path, icc=icc) + 1e-12
+
+
 def test_agreement_saves_scenes() -> None:
     sizes = [scenes_needed(0.66, 0.51, agreement=value).scenes for value in (0, 0.2, 0.4, 0.6)]
     assert sizes == sorted(sizes, reverse=True)
