@@ -88,15 +88,11 @@ class Plot:
         return _clause(self.event)
 
     @property
-    def ego_clause(self) -> str:
-        return re.sub(r"^(The ego vehicle|Ego) ", "the ego vehicle ", self.event)
-
-    @property
     def event_of_it(self) -> str:
         """The event, with `it` for an ego that was named right before."""
         if not self.has_pronoun or self.traffic:
             return self.event
-        return re.sub(r"^(The ego vehicle|Ego)(?= )", "It", self.event)
+        return re.sub(r"^The ego vehicle(?= )", "It", self.event)
 
     @property
     def clause_of_it(self) -> str:
@@ -104,7 +100,7 @@ class Plot:
 
     @property
     def later_opening(self) -> str:
-        return re.sub(r"^(Ego|The ego vehicle)\b", "the ego vehicle", self.opening)
+        return _clause(self.opening)
 
     @property
     def statement_clause(self) -> str:
@@ -130,7 +126,7 @@ class Plot:
 
     @property
     def starts_with_ego(self) -> bool:
-        return self.event.startswith(("The ego vehicle", "Ego"))
+        return self.event.startswith("The ego vehicle")
 
     @property
     def is_short(self) -> bool:
@@ -178,7 +174,7 @@ class Plot:
 
 
 def _clause(event: str) -> str:
-    return event if event.startswith("Ego") else event[:1].lower() + event[1:]
+    return event[:1].lower() + event[1:]
 
 
 @dataclass(frozen=True)
@@ -291,7 +287,7 @@ _EVENT_THEN_PLACE = Construction(
     is_apart=True,
 )
 _DOING = Construction(
-    ("driving {0.where} {0.weather} , {0.ego_clause}", _DETAIL),
+    ("driving {0.where} {0.weather} , {0.clause}", _DETAIL),
     lambda plot: plot.starts_with_ego and not plot.traffic,
 )
 _LINE = Construction(("{0.heading} {0.weather} : {0.headline}",), names_ego=False, is_line=True)
