@@ -197,6 +197,12 @@ class Catalogue(LeanData):
             raise IssuesError(issues)
         return self
 
+    @property
+    def by_name(self) -> dict[str, Asset]:
+        """The first asset of every name, ids before other names."""
+        named = {name: asset for asset in reversed(self.assets) for name in asset.names}
+        return named | {asset.id: asset for asset in self.assets}
+
     def asset(self, name: str) -> Asset:
         """Return an asset by id; raises `KeyError` if it is unknown."""
         return {asset.id: asset for asset in self.assets}[name]

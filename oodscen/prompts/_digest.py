@@ -113,6 +113,12 @@ class CatalogueDigest(Data):
         return (*exact, *(asset for asset in self.assets if name in asset.names))
 
     @property
+    def by_name(self) -> dict[str, AssetLine]:
+        """The first asset of every name, ids before other names."""
+        named = {name: asset for asset in reversed(self.assets) for name in asset.names}
+        return named | {asset.id: asset for asset in self.assets}
+
+    @property
     def by_category(self) -> dict[str, tuple[AssetLine, ...]]:
         """The assets of each category, in the order of first appearance."""
         groups: dict[str, list[AssetLine]] = {}

@@ -129,8 +129,8 @@ def _variants(
     """Yield scenes as `variants` does; one at a limit may be as it was."""
     yield from _other_decisions(scene, is_too_easy=is_too_easy)
     yield from _other_speeds(scene, is_too_easy=is_too_easy)
-    if is_too_easy and any(asset.id == "car" for asset in catalogue.assets):
-        yield from _with_companion(scene)
+    if is_too_easy and (car := catalogue.by_name.get("car")) is not None:
+        yield from _with_companion(scene, car.id)
 
 
 def _other_decisions(scene: Scene, *, is_too_easy: bool) -> Iterator[tuple[Scene, str]]:
@@ -151,24 +151,24 @@ def _other_speeds(scene: Scene, *, is_too_easy: bool) -> Iterator[tuple[Scene, s
         yield changed_scene(scene, ego=ego), f"approach speed {scene.ego.speed:g} -> {speed:g} m/s"
 
 
-def _with_companion(scene: Scene) -> Iterator[tuple[Scene, str]]:
+def _with_companion(scene: Scene, car: str) -> Iterator[tuple[Scene, str]]:
     """Yield the scene with a car beside or behind the ego, unless it has one or is full."""
     if len(scene.actors) >= MAX_ACTORS or any(actor.id == COMPANION for actor in scene.actors):
         return
     for lane, side in ((1, "left"), (-1, "right")):
-        companion = _companion(scene, ahead_m=3.5, lane=lane)
+        companion = _companion(scene, car, ahead_m=3.5, lane=lane)
         how = f"a car drives beside the ego in the next lane on the {side}"
         yield changed_scene(scene, actors=(*scene.actors, companion)), how
     for gap_m in (14.0, 10.0):
-        companion = _companion(scene, ahead_m=-gap_m, lane=0)
+        companion = _companion(scene, car, ahead_m=-gap_m, lane=0)
         how = f"a car follows {gap_m:g} m behind"
         yield changed_scene(scene, actors=(*scene.actors, companion)), how
 
 
-def _companion(scene: Scene, *, ahead_m: float, lane: int) -> Actor:
+def _companion(scene: Scene, car: str, *, ahead_m: float, lane: int) -> Actor:
     return Actor(
         id=COMPANION,
-        asset="car",
+        asset=car,
         placement=Placement(ahead_m=ahead_m, lane=lane),
         behaviour=Behaviour(
             name="follow_lane", parameters={"speed": scene.ego.speed, "headway": 0.3}

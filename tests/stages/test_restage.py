@@ -63,3 +63,18 @@ def test_a_car_is_added_once_and_only_where_a_scene_has_room():
 def test_a_change_that_makes_no_scene_is_an_error_in_the_library_s_words():
     with pytest.raises(DataError, match="horizon_s"):
         changed_scene(example_scene(), horizon_s=-1.0)
+
+
+def test_the_companion_is_a_car_by_whatever_name():
+    cars = tuple(
+        asset.model_copy(update={"id": "my_car", "names": ("car",)}) if asset.id == "car" else asset
+        for asset in CATALOGUE.assets
+    )
+    own = CATALOGUE.model_copy(update={"assets": cars})
+    added = {
+        actor.asset
+        for variant, _ in variants(example_scene(), own, is_too_easy=True)
+        for actor in variant.actors
+        if actor.id == COMPANION
+    }
+    assert added == {"my_car"}

@@ -30,8 +30,10 @@ def available(kinds: Sequence[AmbientTraffic], digest: CatalogueDigest) -> list[
     """Return the kinds of background traffic that a catalogue has, with the assets that it has."""
     if all(kind.id != "follow_lane" for kind in digest.behaviours):
         return []
-    ids = {asset.id for asset in digest.assets}
-    offered = ((kind, tuple(name for name in kind.asset if name in ids)) for kind in kinds)
+    known = digest.by_name
+    offered = (
+        (kind, tuple(known[name].id for name in kind.asset if name in known)) for kind in kinds
+    )
     return [kind.model_copy(update={"asset": names}) for kind, names in offered if names]
 
 

@@ -118,8 +118,7 @@ class Stager:
         """Choose road, weather, and the ego's lane and speed."""
         place = self._place(told, rng)
         road = _map_for(place, told, digest)
-        offered = {asset.id: asset for asset in digest.assets}
-        recipe = recipe_aside(with_variant(told.recipe, told.text), told.text, offered)
+        recipe = recipe_aside(with_variant(told.recipe, told.text), told.text, digest.by_name)
         weather, ordinary = draw_weather(recipe, told, self.knowledge, digest.limits, rng)
         recipe, lane = with_ego_lane(recipe, road, told.text, rng)
         speeds = place.speed if suits_any_speed(recipe) else recipe.speed

@@ -49,18 +49,23 @@ class Layout:
 
     @cached_property
     def assets(self) -> Mapping[str, AssetLine]:
-        """The assets of the catalogue by id."""
-        return {asset.id: asset for asset in self.digest.assets}
+        """The assets of the catalogue by id and by other names."""
+        return self.digest.by_name
 
     def draw(self, limits: Range) -> float:
         """Draw a value from a range."""
         return round(float(self.rng.uniform(*limits)), 2)
 
     def choose(self, options: tuple[str, ...], named: tuple[Thing, ...] | None = None) -> str:
-        """Choose an asset that the simulator offers and the text may mean, by default by the things of the scene."""
+        """Choose an asset that the simulator offers and the text may mean, by default by the things of the scene.
+
+        Returns:
+            Its id; the name itself if the simulator offers none.
+        """
         offered = [option for option in options if option in self.assets] or list(options)
         fitting = _named_options(offered, self.assets, self.named if named is None else named)
-        return fitting[int(self.rng.integers(len(fitting)))]
+        name = fitting[int(self.rng.integers(len(fitting)))]
+        return self.assets[name].id if name in self.assets else name
 
     def has_lane(self, lane: int) -> bool:
         """Return whether the road has a lane, counted to the left of the ego's."""
@@ -91,8 +96,8 @@ class Layout:
         """Yield length along the road, width across it and height of the assets that an actor may be, m."""
         heading = math.radians(0.5 * sum(actor.heading_deg))
         cosine, sine = abs(math.cos(heading)), abs(math.sin(heading))
-        for asset in self.digest.assets:
-            if asset.id in actor.asset:
+        for name in actor.asset:
+            if (asset := self.assets.get(name)) is not None:
                 along = cosine * asset.length_m + sine * asset.width_m
                 yield along, cosine * asset.width_m + sine * asset.length_m, asset.height_m
 

@@ -46,24 +46,33 @@ class DemandKind(NamedTuple):
 
     def is_like(self, actors: Iterable[Actor], catalogue: Catalogue) -> bool:
         """Return whether unusual actors look like this kind."""
-        categories = {asset.id: asset.category for asset in catalogue.assets}
+        known = {asset.id: asset for asset in catalogue.assets}
         for actor in actors:
-            category = categories.get(actor.asset)
-            if actor.asset in self.assets or category in self.categories:
+            asset = known.get(actor.asset)
+            names = {actor.asset, *(asset.names if asset else ())}
+            category = asset.category if asset else None
+            if not names.isdisjoint(self.assets) or category in self.categories:
                 return True
             if actor.behaviour.name in self.behaviours and category == self.category:
                 return True
         return False
 
     def drawn(self, setting: Setting, rng: np.random.Generator) -> Draft | None:
-        """Return a draw with its actors a little off the middle of their lanes, or `None` if the kind does not fit."""
+        """Return a draw with its actors a little off the middle of their lanes, or `None` if the kind does not fit.
+
+        Kinds name assets as the shipped ones are; actors get the ids of the catalogue.
+        """
         try:
             draft = self.draw(setting, rng)
         except DataError:  # An actor would stand beyond what a scene can hold.
             return None
         if draft is None:
             return None
-        return draft._replace(actors=[off_centre(actor, rng) for actor in draft.actors])
+        actors = [
+            actor.model_copy(update={"asset": setting.assets[actor.asset].id})
+            for actor in draft.actors
+        ]
+        return draft._replace(actors=[off_centre(actor, rng) for actor in actors])
 
 
 KINDS: tuple[DemandKind, ...] = (

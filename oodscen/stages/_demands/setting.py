@@ -162,7 +162,8 @@ class Setting:
 
     @cached_property
     def assets(self) -> dict[str, Asset]:
-        return {asset.id: asset for asset in self.catalogue.assets}
+        """The assets by id and by other names."""
+        return self.catalogue.by_name
 
     def has(self, *traits: str) -> bool:
         return not set(traits).isdisjoint(self.road.traits)

@@ -41,6 +41,29 @@ def rich_texts(knowledge: Knowledge, rich_digest: CatalogueDigest) -> list[tuple
     return texts_of(knowledge, rich_digest, 1)
 
 
+def renamed(catalogue: Catalogue) -> Catalogue:
+    """Return a catalogue whose assets have other ids, and their old ones as names."""
+    assets = [
+        asset.model_copy(update={"id": f"my_{asset.id}", "names": (asset.id, *asset.names)})
+        for asset in catalogue.assets
+    ]
+    return catalogue.model_copy(update={"assets": tuple(assets)})
+
+
+def test_assets_are_found_by_their_other_names(
+    author, ask, rich_catalogue, rich_digest, rich_texts
+):
+    own = renamed(rich_catalogue)
+    digest = CatalogueDigest.of(own)
+    for _, text in rich_texts[::9]:
+        draft = ask(author, StageScene(text=text, path=("a",), catalogue=digest))
+        assert not own.lacks(scene_of(draft))
+        plain = ask(author, StageScene(text=text, path=("a",), catalogue=rich_digest))
+        assert [actor.asset for actor in draft.actors] == [
+            f"my_{actor.asset}" for actor in plain.actors
+        ]
+
+
 def test_drafts_pass_the_check_at_once_or_after_a_refusal(
     author: BuiltinAuthor,
     ask,
