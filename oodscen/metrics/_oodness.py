@@ -59,7 +59,7 @@ class Oodness(Data):
     nearest: tuple[NearestText, ...]
     """One per text, in order: the nearest baseline text, for every definition; its text is empty if unknown."""
     interval: Interval | None
-    """Interval of the mean; `None` for fewer than two texts or clusters."""
+    """Interval of the mean; `None` for fewer than five texts or clusters."""
     n: int = Field(ge=1)
     """Number of texts."""
     N: int = Field(ge=1)

@@ -13,7 +13,7 @@ from oodscen.data._base import Data
 Floats = NDArray[np.float64]
 
 FEWEST_CLUSTERS = 5
-"""The fewest clusters for a percentile bootstrap; with fewer, it is far too narrow and not computed."""
+"""The fewest units, clusters or items, for a percentile bootstrap; with fewer, it is far too narrow and not computed."""
 
 _NORMAL = NormalDist()
 _NO_SPREAD = 1e-12

@@ -11,7 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._seeding import stream
-from oodscen.statistics._intervals import Floats, Interval, percentile_interval
+from oodscen.statistics._intervals import (
+    FEWEST_CLUSTERS,
+    Floats,
+    Interval,
+    percentile_interval,
+)
 
 REPLICATES = 2000
 """Number of resampled sets of a bootstrap interval, and of sign flips in a permutation test."""
@@ -122,9 +127,9 @@ def bootstrap_mean(
     seed: int = 0,
     replicates: int = REPLICATES,
 ) -> Interval | None:
-    """Return the interval of the mean of [n] finite values; `None` if fewer than two units can be drawn."""
+    """Return the interval of the mean of [n] finite values; `None` if there are too few units to draw from."""
     resampler = _resampler(len(values), clusters, seed, replicates, "mean")
-    if resampler.units < 2:
+    if resampler.units < FEWEST_CLUSTERS:
         return None
     column = np.asarray(values, np.float64)[:, None]
     if clusters is None:
@@ -140,9 +145,9 @@ def bootstrap_median(
     seed: int = 0,
     replicates: int = REPLICATES,
 ) -> Interval | None:
-    """Return the interval of the median of [n] finite values; `None` if fewer than two units can be drawn."""
+    """Return the interval of the median of [n] finite values; `None` if there are too few units to draw from."""
     resampler = _resampler(len(values), clusters, seed, replicates, "median")
-    if resampler.units < 2:
+    if resampler.units < FEWEST_CLUSTERS:
         return None
     order = np.argsort(values, kind="stable")
     ranked = np.asarray(values, np.float64)[order]
@@ -182,10 +187,10 @@ def bootstrap_pairwise(
     single text has no pairs and does not count.
 
     Returns:
-        `None` if fewer than two units can be drawn, or no replicate has a pair.
+        `None` if there are too few units to draw from, or no replicate has a pair.
     """
     resampler = _resampler(len(vectors), clusters, seed, replicates, "pairwise")
-    if resampler.units < 2:
+    if resampler.units < FEWEST_CLUSTERS:
         return None
     rows = vectors.astype(np.float64)
     if clusters is None:

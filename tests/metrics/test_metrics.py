@@ -151,13 +151,19 @@ def test_an_encoder_that_breaks_its_contract_is_named(monkeypatch, result):
 
 
 def test_a_report_round_trips_and_reads_like_a_mapping():
-    report = Metrics(ENCODER, ["b", "c"], seed=4).report(["a", "d", "e"], ["p", "p", "q"])
+    report = Metrics(ENCODER, ["b", "c"], seed=4).report(list("adefgh"), list("ppqrst"))
     assert MetricsReport.parse(report.to_json()) == report
     plain = json.loads(report.to_json())
     assert dict(report) == plain
     assert plain["oodness"]["mean"] == report.oodness.mean
-    assert (plain["n"], plain["N"], plain["encoder"]) == (3, 2, "directions")
-    assert {label: group["n"] for label, group in plain["groups"].items()} == {"p": 2, "q": 1}
+    assert (plain["n"], plain["N"], plain["encoder"]) == (6, 2, "directions")
+    assert {label: group["n"] for label, group in plain["groups"].items()} == {
+        "p": 2,
+        "q": 1,
+        "r": 1,
+        "s": 1,
+        "t": 1,
+    }
     assert report.oodness.interval.is_clustered
     with pytest.raises(KeyError):
         report["nothing"]
@@ -207,10 +213,10 @@ def test_the_same_seed_gives_the_same_report():
 
 
 def test_scenarios_are_resampled_by_their_paths():
-    scenarios = [Scenario(id=f"s-{i}", text=f"t{i}", path=("root", f"p{i % 3}")) for i in range(9)]
+    scenarios = [Scenario(id=f"s-{i}", text=f"t{i}", path=("root", f"p{i % 5}")) for i in range(9)]
     report = Metrics(ENCODER, ["b"]).report(scenarios)
-    assert report.oodness.interval.units == 3
-    assert set(report.groups) == {"root / p0", "root / p1", "root / p2"}
+    assert report.oodness.interval.units == 5
+    assert set(report.groups) == {f"root / p{i}" for i in range(5)}
     assert (
         report.oodness.per_text
         == Metrics(ENCODER, ["b"]).oodness([f"t{i}" for i in range(9)]).per_text

@@ -16,6 +16,7 @@ from oodscen.encoders._similarity import unit
 from oodscen.errors import DataError, UnknownComponent
 from oodscen.metrics._oodness import Definition, NearestText, Oodness, oodness, scores
 from oodscen.metrics._vectors.space import BaselineSpace
+from oodscen.statistics._intervals import FEWEST_CLUSTERS
 from oodscen.testing._encoder import HashEncoder
 
 ENCODER = HashEncoder(16)
@@ -103,7 +104,7 @@ def test_the_interval_draws_whole_clusters(
     own = [str(place) for place in np.argsort(np.argsort(found.per_text, kind="stable"))]
     labels_of = clusters or own
     names = sorted(set(labels_of), key=lambda name: (len(name), name))
-    if len(names) < 2:
+    if len(names) < FEWEST_CLUSTERS:
         assert found.interval is None
         return
     assert found.interval is not None

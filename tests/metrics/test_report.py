@@ -43,7 +43,8 @@ def test_a_band_is_told_by_the_bounds_that_it_has(tmp_path, band, words):
     assert caption(found).endswith(f"; texts of the band {words}")
 
 
-def test_the_view_has_the_interval_of_rarity(report):
+def test_the_view_has_the_interval_of_rarity():
+    report = Metrics(HashEncoder(), Baseline(texts=ORDINARY)).report([*TEXTS, *ORDINARY])
     found = report.rarity.interval
     shown = re.search(r"rarity, median.*?</tr>", report._repr_html_(), re.DOTALL)[0]
     assert f"{found.low:.3f} to {found.high:.3f}" in shown

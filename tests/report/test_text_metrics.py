@@ -22,7 +22,7 @@ TEXTS = [
 @pytest.fixture(scope="module")
 def measured() -> Measurements:
     """Return real measurements."""
-    return measurements(Metrics(HashEncoder(), ORDINARY), {"simulatable": TEXTS, "10": TEXTS[:4]})
+    return measurements(Metrics(HashEncoder(), ORDINARY), {"simulatable": TEXTS, "10": TEXTS[:6]})
 
 
 def known(study: Study) -> Measurements:

@@ -9,7 +9,7 @@ from oodscen._seeding import stream
 from oodscen.encoders._similarity import unit
 from oodscen.statistics import _resampling
 from oodscen.statistics._answers import intraclass
-from oodscen.statistics._intervals import cluster_interval, wilson
+from oodscen.statistics._intervals import FEWEST_CLUSTERS, cluster_interval, wilson
 from oodscen.statistics._resampling import (
     Resampler,
     bootstrap_mean,
@@ -20,7 +20,7 @@ from oodscen.statistics._resampling import (
 
 @settings(deadline=None, max_examples=30)
 @given(
-    st.lists(st.tuples(st.floats(-9, 9), st.sampled_from("abcd")), min_size=2, max_size=12),
+    st.lists(st.tuples(st.floats(-9, 9), st.sampled_from("abcdefg")), min_size=2, max_size=12),
     st.booleans(),
     st.integers(0, 3),
 )
@@ -29,7 +29,7 @@ def test_the_interval_of_a_median_is_that_of_resampled_medians(items, is_cluster
     clusters = [label for _, label in items] if is_clustered else None
     found = bootstrap_median(values, clusters, seed=seed, replicates=50)
     resampler = Resampler(clusters or len(values), seed=seed, replicates=50, purpose="median")
-    if resampler.units < 2:
+    if resampler.units < FEWEST_CLUSTERS:
         assert found is None
         return
     ranked = values if is_clustered else np.sort(values)
@@ -50,7 +50,7 @@ def test_the_median_of_many_values_is_resampled_in_blocks(monkeypatch):
 
 
 @settings(deadline=None, max_examples=30)
-@given(st.lists(st.floats(-1, 1), min_size=2, max_size=30))
+@given(st.lists(st.floats(-1, 1), min_size=FEWEST_CLUSTERS, max_size=30))
 def test_an_interval_lies_within_the_values(values):
     found = bootstrap_mean(np.array(values), replicates=200)
     assert min(values) - 1e-6 <= found.low <= found.high <= max(values) + 1e-6
@@ -121,14 +121,15 @@ def test_rows_that_differ_in_some_columns_alone_may_stand_in_any_order(columns):
     assert bootstrap_pairwise(rows) == bootstrap_pairwise(rows[::-1])
 
 
-def test_two_units_have_an_interval():
-    values = np.array([1.0, 2.0, 4.0])
-    assert bootstrap_mean(values[:2]) is not None
-    rows = unit(np.random.default_rng(1).normal(size=(3, 4)).astype(np.float32))
-    assert bootstrap_pairwise(rows[:2]) is not None
-    for clusters in (["a", "b", "b"], ["a", "b", "a"]):
+def test_five_units_have_an_interval():
+    values = np.array([1.0, 2.0, 4.0, 8.0, 16.0, 32.0])
+    rows = unit(np.random.default_rng(1).normal(size=(6, 4)).astype(np.float32))
+    assert bootstrap_mean(values[:5]) is not None
+    assert bootstrap_median(values[:5]) is not None
+    assert bootstrap_pairwise(rows[:5]) is not None
+    for clusters in (list("abcdee"), list("abcdea")):
         for found in (bootstrap_mean(values, clusters), bootstrap_pairwise(rows, clusters)):
-            assert (found.units, found.is_clustered) == (2, True)
+            assert (found.units, found.is_clustered) == (5, True)
     assert not bootstrap_mean(values).is_clustered
 
 
@@ -145,15 +146,23 @@ def test_draws_are_two_thousand_of_seed_0_unless_told_otherwise():
         assert found() != found(seed=0, replicates=2001)
 
 
-def test_fewer_than_two_units_have_no_interval():
-    assert bootstrap_mean(np.array([1.0])) is None
-    assert bootstrap_mean(np.array([1.0, 2.0]), ["a", "a"]) is None
-    assert bootstrap_pairwise(np.ones((3, 2), np.float32), ["a"] * 3) is None
+@pytest.mark.parametrize("units", range(1, FEWEST_CLUSTERS))
+def test_too_few_units_have_no_interval(units):
+    values, rows = np.arange(1.0 * units), np.eye(units, dtype=np.float32)
+    paths = [str(n % units) for n in range(12)]
+    for bootstrap, few, many in (
+        (bootstrap_mean, values, np.arange(12.0)),
+        (bootstrap_median, values, np.arange(12.0)),
+        (bootstrap_pairwise, rows, np.eye(12, dtype=np.float32)),
+    ):
+        assert bootstrap(few) is None
+        assert bootstrap(many, paths) is None
 
 
 def test_without_a_pair_in_any_replicate_there_is_no_interval():
-    rows = np.eye(2, dtype=np.float32)
-    lonely = [bootstrap_pairwise(rows, seed=seed, replicates=1) for seed in range(8)]
+    # Five texts, of which one replicate draws a single one once in 625.
+    rows = np.eye(5, dtype=np.float32)
+    lonely = [bootstrap_pairwise(rows, seed=seed, replicates=1) for seed in range(4_000)]
     assert None in lonely
     assert any(lonely)
 

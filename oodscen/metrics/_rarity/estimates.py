@@ -100,7 +100,7 @@ class Rarity(Data):
     median: float | None
     """Median of the texts that have a figure."""
     interval: Interval | None = None
-    """95 % interval of the median, for other texts like these; `None` with fewer than two texts or groups."""
+    """95 % interval of the median, for other texts like these; `None` with fewer than five texts or groups."""
     unknown: int = Field(ge=0)
     """Number of texts without a figure."""
     calibration: RateCalibration | None = None

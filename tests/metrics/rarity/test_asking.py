@@ -43,9 +43,11 @@ def test_the_median_of_draws_counts_and_the_interval_holds_all():
 
 def test_the_interval_of_the_median_counts_groups():
     metrics = Metrics(HashEncoder(64), ["A van drives ahead."])
-    found = metrics.rarity(TEXTS, ScriptedLLM(good), groups=["a", "b", "b"])
-    assert (found.interval.method, found.interval.units) == ("cluster bootstrap", 2)
-    assert metrics.rarity(TEXTS, ScriptedLLM(good), groups=["a", "a", "b"]).interval is None
+    texts = [f"A sofa of kind {number} lies in the lane." for number in range(6)]
+    llm = ScriptedLLM(lambda _: {"estimates": [entry(n, n) for n in range(1, 7)]})
+    found = metrics.rarity(texts, llm, groups=list("abcdee"))
+    assert (found.interval.method, found.interval.units) == ("cluster bootstrap", 5)
+    assert metrics.rarity(texts, llm, groups=list("abcddd")).interval is None
 
 
 @pytest.mark.parametrize(
