@@ -250,6 +250,8 @@ def _create(kind: str, name: str, **settings: Any) -> Any:
     """
     head, colon, argument = name.partition(":")
     arguments = (argument,) if colon and head in names(kind) else ()
+    if arguments and not argument:
+        raise UsageError(f"the {kind} {name!r} has nothing after its colon")
     factory = load_factory(kind, head if arguments else name)
     if arguments and isinstance(parameter := getattr(factory, "argument", None), str):
         arguments, settings = (), {**settings, parameter: argument}

@@ -328,3 +328,12 @@ def test_a_driver_is_made_by_name_with_its_settings():
 def test_a_driver_that_cannot_be_is_refused(name, settings, match):
     with pytest.raises(UsageError, match=match):
         make_driver(name, **settings)
+
+
+@pytest.mark.parametrize(
+    ("make", "name"),
+    [(registry.make_llm, "builtin:"), (registry.make_encoder, "sentence-transformers:")],
+)
+def test_nothing_after_a_colon_is_refused(make, name):
+    with pytest.raises(UsageError, match="nothing after its colon"):
+        make(name)

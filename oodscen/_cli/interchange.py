@@ -218,18 +218,23 @@ def verdict(
 def vary(place: Path, wanted: str | None, count: int, seed: int, simulator: str) -> None:
     """Draw variants of scenes from the ranges of their parameters, one scene per line.
 
-    Each variant is checked like any other scene, and against the claims of its text where a study has them. The exit
-    code is 1 if some scene has fewer variants than asked for.
+    Each variant is checked like any other scene, and against the claims of its text where a study has them. Ordinary
+    demands are varied as well; twins beside their scenes are not, as `oodscen export` makes those of the variants. The
+    exit code is 1 if some scene has fewer variants than asked for.
     """
     source = scenes_of(place, simulator)
-    scenes, catalogue, facts = source.scenes, source.catalogue, source.facts
+    catalogue, facts = source.catalogue, source.facts
+    by_id = {scene.id: scene for scene in (*source.scenes, *facts.demands.values())}
     if wanted is not None:
-        scenes = [scene for scene in (*scenes, *facts.demands.values()) if scene.id == wanted]
-        if not scenes:
-            raise UsageError(f"there is no scene {wanted!r}")
+        scenes = [_scene_named(wanted, by_id, source, source.seed)]
+    else:
+        scenes = [one for one in by_id.values() if not (one.is_twin and scene_of(one.id) in by_id)]
+        if twins := len(by_id) - len(scenes):
+            say(f"{twins} twins are left out: `export` makes those of the variants", err=True)
     short = 0
     for scene in tracked(scenes, "vary", len(scenes)):
-        variants = scene.vary(catalogue, count, claims=facts.claims(scene), seed=seed)
+        claims = [] if scene.is_twin else facts.claims(scene)  # A twin is what its text is not.
+        variants = scene.vary(catalogue, count, claims=claims, seed=seed)
         for variant in variants:
             say(variant.to_json())
         if len(variants) < count:

@@ -82,11 +82,13 @@ class FileCommand(click.Command):
             value = ctx.params.get(param.name or "")
             if isinstance(param.type, OutputName):
                 continue
+            is_argument = isinstance(param, click.Argument)
+            name = param.human_readable_name if is_argument else param.opts[-1]
             for text in map(str, value if isinstance(value, tuple) else (value,)):
                 after_kind = text.partition(":")[2]
                 for path in (text, *accumulate(after_kind.split("#"), "{}#{}".format)):
                     if os.path.isfile(path):
-                        yield param.opts[-1], Path(path)
+                        yield name, Path(path)
 
 
 def is_same_file(first: Path, second: Path) -> bool:

@@ -361,6 +361,19 @@ def test_variants_are_scenes(tmp_path):
     assert run("vary", path, "--scene", "nobody").exit_code == 2
 
 
+def test_demands_are_varied_and_twins_are_left_to_the_export(quick, tmp_path):
+    demand = Study.open(quick).demands[0]
+    rare = next(scene for scene in Study.open(quick).scenes if f"{scene.id}~demand" == demand.id)
+    path = tmp_path / "scenes.jsonl"
+    path.write_text("".join(f"{one.to_json()}\n" for one in (rare, demand, rare.twin(2.0))))
+    done = run("vary", path, "-n", 1, "--simulator", "flat")
+    ids = [json.loads(line)["id"] for line in done.stdout.splitlines()]
+    assert ids == [f"{rare.id}.v001", f"{rare.id}.v001~demand"]
+    assert "1 twins are left out" in done.stderr
+    twin = run("vary", quick, "--scene", f"{rare.id}~twin", "-n", 1)
+    assert json.loads(twin.stdout)["id"] == f"{rare.id}.v001~twin"
+
+
 @pytest.mark.parametrize("command", [("export", "-o", "files"), ("vary",)])
 def test_a_file_with_two_scenes_of_one_id_is_refused(command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

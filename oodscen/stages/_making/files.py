@@ -9,7 +9,7 @@ from oodscen._json import object_lines
 from oodscen._study_files import ASSETS, TABLES
 from oodscen._toml import parse_toml
 from oodscen.data._prop import Prop
-from oodscen.errors import DataError, Issue
+from oodscen.errors import DataError, Issue, UsageError
 from oodscen.stages._making.making import MadeProp
 
 _STUDY_TABLES = (ASSETS, TABLES["scenes"])
@@ -70,7 +70,7 @@ def read_props(path: Path) -> Designs:
     left = [name for name in unmade if name not in found]
     if not found and not issues:
         told = f"; could not be made: {', '.join(left)}" if left else ""
-        issues.append(Issue("", f"no design found{told}"))
+        raise UsageError(f"{path} holds no design of a thing made to order{told}")
     if issues:
         raise DataError(Prop.noun, issues, source=str(path))
     return Designs(list(found.values()), left)

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from oodscen.data._prop import Prop
-from oodscen.errors import DataError
+from oodscen.errors import DataError, UsageError
 from oodscen.stages._making.files import read_props
 from oodscen.testing import example_scene
 from tests.made import WALL
@@ -100,7 +100,8 @@ def test_scenes_give_what_they_carry_and_scenes_without_designs_give_none(lines,
         "low_wall",
         "other_wall",
     ]
-    assert "no design found" in faults_in(lines(scene, name=name))[0]
+    with pytest.raises(UsageError, match="holds no design"):
+        read_props(lines(scene, name=name))
 
 
 def test_of_designs_with_the_same_id_the_first_counts(lines):
