@@ -1,6 +1,7 @@
 """Shortening of questions about a catalogue for models with a small context window."""
 
 import re
+from collections.abc import Sequence
 from typing import Any, TypeVar
 
 from oodscen._text import CHARACTERS_PER_TOKEN, stem
@@ -19,7 +20,8 @@ _COMMON = frozenset("a an and at by from in into is its of off on onto or that t
 def fitted(question: Question, context: int | None) -> Question:
     """Return a question that fits the context window of a model together with its answer, or else the shortest.
 
-    The layouts of the roads, traits that only tell of lanes, poses, and the parts of vehicles and maps go first.
+    The layouts of the roads, traits that only tell of lanes, poses, and the parts of vehicles and maps go first, and
+    so do maps that the question's claims rule out.
     Then as many assets and behaviours of its catalogue as necessary are reduced to their ids; those that share the
     most words with the question's texts stay as they are.
 
@@ -33,7 +35,7 @@ def fitted(question: Question, context: int | None) -> Question:
     room = context - ANSWER_TOKENS
     if tokens_of(question) <= room:
         return question
-    catalogue = _without_layouts(question.catalogue)  # type: ignore[attr-defined]
+    catalogue = _without_layouts(question.catalogue, getattr(question, "roads", ()))  # type: ignore[attr-defined]
     ranked = _ranked(catalogue, _words_of(question))
     fewest, most = 0, len(ranked)
     while fewest < most:
@@ -51,7 +53,8 @@ def tokens_of(question: Prompt[Any]) -> int:
     return sum(len(message.text) for message in question.messages()) // CHARACTERS_PER_TOKEN
 
 
-def _without_layouts(catalogue: CatalogueDigest) -> CatalogueDigest:
+def _without_layouts(catalogue: CatalogueDigest, roads: Sequence[str]) -> CatalogueDigest:
+    """Return a catalogue of the maps that are possible, or all if none is named, without what goes first."""
     maps = tuple(
         road.model_copy(
             update={
@@ -60,6 +63,7 @@ def _without_layouts(catalogue: CatalogueDigest) -> CatalogueDigest:
             }
         )
         for road in catalogue.maps
+        if not roads or road.id in roads
     )
     return catalogue.model_copy(update={"maps": maps, "map_parts": (), "poses": (), "parts": ()})
 

@@ -41,6 +41,14 @@ def test_the_vocabulary_stays_whole(context):
     assert [road.id for road in short.maps] == [road.id for road in CATALOGUE.maps]
 
 
+def test_roads_that_the_claims_rule_out_go_first():
+    possible = ("tunnel", "bridge")
+    question = QUESTIONS[1].model_copy(update={"roads": possible})
+    assert [road.id for road in fitted(question, 4_096).catalogue.maps] == [*possible]
+    assert tokens_of(fitted(question, 0)) < tokens_of(fitted(QUESTIONS[1], 0))
+    assert fitted(question, 100_000) is question
+
+
 @settings(max_examples=10)
 @given(st.sampled_from(QUESTIONS), st.integers(0, 8_000))
 def test_a_question_fits_or_is_the_shortest(question, context):
