@@ -100,10 +100,16 @@ def evaluate(
             `MODEL without pictures`. Neither in the paper's protocol nor for references.
 
     Raises:
-        UsageError: If there is no frame to ask about, in the paper's protocol also none up to the decision; or one is no
-            picture.
+        UsageError: If the episode failed, an unusual one has no path, a frame is no picture, or there is none to ask
+            about; in the paper's protocol also if there is none up to the decision.
         MissingExtra: If frames are to be encoded, and OpenCV is not installed.
     """
+    if episode.status == "failed":
+        raise UsageError(
+            f"the episode {episode.scene_id!r} failed, so that no action of it is known"
+        )
+    if not (episode.is_ordinary or any(label.strip() for label in path)):
+        raise UsageError("path must have the labels of what is out of the ordinary")
     is_paper = protocol == "paper"
     if is_paper:
         options, rear, withheld = (), None, False

@@ -85,6 +85,17 @@ def test_what_are_no_colours_is_no_picture(rgb):
     assert not llm.requests
 
 
+def test_what_has_no_truth_is_not_judged(frames):
+    llm = ScriptedLLM(answers())
+    for path in ((), (" ",)):
+        with pytest.raises(UsageError, match="path must have"):
+            evaluate(EPISODE, frames, llm, path=path)
+    failed = EPISODE.model_copy(update={"status": "failed", "actions": {}})
+    with pytest.raises(UsageError, match="'x-001' failed"):
+        evaluate(failed, frames, llm, path=PATH)
+    assert not llm.requests
+
+
 def test_a_model_is_not_asked_about_no_frame():
     llm = ScriptedLLM(answers())
     for withheld in (False, True):
