@@ -7,7 +7,6 @@ from typing import Any, Literal, assert_never, get_args
 
 from pydantic import Field, model_validator
 
-from oodscen._arguments import instances_of
 from oodscen.data._base import Data
 from oodscen.data._catalogue import (
     LANDMARKS,
@@ -19,6 +18,7 @@ from oodscen.data._catalogue import (
 )
 from oodscen.data._category import Category
 from oodscen.data._scene import WeatherKind, is_weather_kind
+from oodscen.errors import UsageError
 
 AdditionKind = Literal["asset", "state", "behaviour", "weather", "map", "other"]
 """`other` is something no catalogue can provide, e.g. an author that knows how to stage a hazard."""
@@ -124,7 +124,9 @@ def extend(catalogue: Catalogue, additions: Iterable[Addition]) -> Catalogue:
         UsageError: If one is no addition.
     """
     additions = tuple(additions)
-    instances_of("additions", additions, Addition)
+    for addition in additions:
+        if not isinstance(addition, Addition):
+            raise UsageError(f"each addition must be an Addition, not {addition!r:.80}")
     # A state needs its asset.
     for addition in sorted(additions, key=lambda addition: addition.kind == "state"):
         catalogue = catalogue.model_copy(update=_changes(catalogue, addition))

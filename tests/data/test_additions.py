@@ -124,5 +124,5 @@ def test_an_added_map_has_the_lanes_that_its_traits_name(traits):
 
 
 def test_what_is_no_addition_is_refused():
-    with pytest.raises(UsageError, match="each element of additions"):
+    with pytest.raises(UsageError, match="must be an Addition, not 1"):
         CATALOGUE.extended([1])
