@@ -43,7 +43,7 @@ def test_its_name_may_carry_the_dimension(dimension):
     assert make_encoder(f"hash:{dimension}").name == HashEncoder(dimension).name
 
 
-@given(st.text().filter(lambda text: not text.isdecimal()) | st.integers(max_value=0))
+@given(st.text(min_size=1).filter(lambda text: not text.isdecimal()) | st.integers(max_value=0))
 def test_another_dimension_is_told_in_words(dimension):
     with pytest.raises(UsageError, match=r"^the dimension of the hash encoder must be a whole"):
         make_encoder(f"hash:{dimension}")
