@@ -145,9 +145,11 @@ def _as_image(frame: Image | Frame, episode: Episode, moment: str) -> Image:
     """Return a frame as a study stores and shows it.
 
     Raises:
-        UsageError: If its colours are not those of a picture.
+        UsageError: If its colours are not those of a picture, or its file cannot be shown.
     """
     if isinstance(frame, Image):
+        if fault := frame.fault():
+            raise UsageError(f"frames: {fault}")
         return frame
     rgb = frame.rgb
     if not (

@@ -31,12 +31,16 @@ EPISODE = Episode(
 )
 
 
+JPEG = b"\xff\xd8\xff%b\xff\xd9"
+"""Bytes that begin and end as a JPEG does."""
+
+
 @pytest.fixture
 def frames(tmp_path):
     images = {}
     for moment in MOMENTS:
         path = tmp_path / f"{moment}.jpg"
-        path.write_bytes(moment.encode())
+        path.write_bytes(JPEG % moment.encode())
         images[moment] = Image.from_file(path, f"frames/x-001/{moment}.jpg")
     return images
 
@@ -93,6 +97,16 @@ def test_what_has_no_truth_is_not_judged(frames):
     failed = EPISODE.model_copy(update={"status": "failed", "actions": {}})
     with pytest.raises(UsageError, match="'x-001' failed"):
         evaluate(failed, frames, llm, path=PATH)
+    assert not llm.requests
+
+
+def test_a_file_that_is_no_picture_is_not_shown(frames, tmp_path):
+    (tmp_path / "last.jpg").write_text("import this")
+    llm = ScriptedLLM(answers())
+    odd = Image.from_file(tmp_path / "last.jpg")
+    for shown in ({**frames, "last": odd}, {**frames, "last": Image(name="x", sha256="0" * 64)}):
+        with pytest.raises(UsageError, match="frames: "):
+            evaluate(EPISODE, shown, llm, path=PATH)
     assert not llm.requests
 
 
@@ -162,10 +176,8 @@ def test_questions_stand_alone_and_state_what_no_frame_shows(frames):
             assert ("Nobody follows" in question.text) == (behind is None)
 
 
-def test_the_view_to_the_rear_comes_after_the_frames_and_is_named(frames, tmp_path):
-    path = tmp_path / "rear.jpg"
-    path.write_bytes(b"rear")
-    rear = Image.from_file(path, "rear")
+def test_the_view_to_the_rear_comes_after_the_frames_and_is_named(frames):
+    rear = Image.from_bytes(JPEG % b"rear", "rear")
     for shown in (None, rear):
         llm = ScriptedLLM(answers())
         evaluate(EPISODE, frames, llm, path=PATH, rear=shown)
@@ -187,12 +199,10 @@ def test_of_what_is_unknown_nothing_is_said(frames):
     assert "m/s" not in llm.requests[0].messages[-1].text
 
 
-def test_five_frames_are_shown_in_order_of_time(tmp_path):
+def test_five_frames_are_shown_in_order_of_time():
     shown = {}
     for moment in reversed(moments(5)):
-        path = tmp_path / f"{moment}.jpg"
-        path.write_bytes(moment.encode())
-        shown[moment] = Image.from_file(path, moment)
+        shown[moment] = Image.from_bytes(JPEG % moment.encode(), moment)
     llm = ScriptedLLM(answers())
     evaluate(EPISODE, shown, llm, path=PATH)
     names = [image.name for image in llm.requests[0].messages[-1].images]

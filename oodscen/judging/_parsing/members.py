@@ -54,10 +54,15 @@ def unwrap(value: Mapping[str, Any], requested: re.Pattern[str]) -> Held:
             raise UnusableError(f"{name[:40]!r} is no text")
         elif not is_sure:
             raise UnusableError(f"nobody asked for {name[:40]!r}")
-    inner = next(iter(rest.values())) if len(rest) == 1 else None
-    if isinstance(inner, dict) and all(WRAPPERS.fullmatch(spelt(name)) for name in rest):
+    sure = {name: member for name, member in rest.items() if CONFIDENCE.fullmatch(spelt(name))}
+    wrappers = rest.keys() - sure.keys()
+    inner = rest[next(iter(wrappers))] if len(wrappers) == 1 else None
+    if isinstance(inner, dict) and all(WRAPPERS.fullmatch(spelt(name)) for name in wrappers):
         held = unwrap(inner, requested)
-        return Held(held.requested, "\n".join([*reasons, held.reasons]), (*asides, *held.asides))
+        if any(held.requested.get(name, member) != member for name, member in sure.items()):
+            raise UnusableError(TWO_ANSWERS)
+        inside = {**sure, **held.requested}
+        return Held(inside, "\n".join([*reasons, held.reasons]), (*asides, *held.asides))
     for name in rest:
         if not requested.fullmatch(spelt(name)):
             raise UnusableError(f"nobody asked for {name[:40]!r}")

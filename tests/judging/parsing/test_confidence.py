@@ -151,3 +151,14 @@ def test_long_aspects_are_read_at_once(part):
 def test_words_without_a_confidence_stay_as_they_are(said, least):
     said = tidy(said)
     assert without_confidence(said, least) == said or CONFIDENT.search(said)
+
+
+@pytest.mark.parametrize("wrapper", ["answer", "result", "final_answer"])
+@pytest.mark.parametrize("inside", [True, False])
+def test_a_confidence_may_stand_beside_a_wrapper_or_inside(wrapper, inside):
+    answer, sure = {"is_ood": True, "aspect": "sofa"}, {"confidence": 0.8}
+    text = {wrapper: {**answer, **sure}} if inside else {**sure, "reasoning": "", wrapper: answer}
+    found = read_aspect(json.dumps(text)).value
+    assert (found.aspect, found.confidence) == ("sofa", 0.8)
+    both = {"confidence": 0.6, wrapper: {**answer, **sure}}
+    assert read_aspect(json.dumps(both)).value is None
