@@ -3,6 +3,7 @@
 import atexit
 from collections.abc import Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Future, as_completed
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from itertools import product
@@ -14,9 +15,9 @@ from oodscen._registry import driver_maker, make_simulator
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import twin_id
 from oodscen.data._scene import Scene
-from oodscen.errors import RunStopped, UsageError
+from oodscen.errors import OodscenError, RunStopped, UsageError
 from oodscen.protocols import Simulator
-from oodscen.stages._drive import MakeDriver, drive, failed_drive
+from oodscen.stages._drive import DrivePlan, MakeDriver, drive, failed_drive
 
 MAKING_S = 60.0
 """Seconds in which a limited drive must at least be able to make its drivers and simulator."""
@@ -76,9 +77,9 @@ def drive_all(
     if len(jobs) > 1:
         with Processes(1, limit_s=making_s) as pool:
             for job in jobs:
-                _finish(pool.submit(_prepare, job), job)
+                _finish(pool.submit(_prepare, job, None), job)
     for job in jobs:
-        prepare = partial(_prepare, job, is_limited=time_limit_s is not None)
+        prepare = partial(_prepare, job, None if time_limit_s is None else scenes[:1])
         with Processes(
             workers, limit_s=time_limit_s, prepare=prepare, prepare_limit_s=making_s
         ) as pool:
@@ -110,14 +111,19 @@ def _finish(preparing: Future[object], job: DriveJob) -> None:
         raise UsageError(f"the driver {job.driver!r} cannot be made: {error}") from None
 
 
-def _prepare(job: DriveJob, *, is_limited: bool = False) -> None:
+def _prepare(job: DriveJob, rehearsed: Sequence[Scene] | None) -> None:
     """Make the simulator and the first driver of a worker.
 
-    A time limit is one for drives and the making of their drivers, so that with it the first is not kept.
+    With a time limit, which is for drives and the making of their drivers, that driver is not kept, and scenes are
+    rehearsed without one, as the first run of a simulator takes longer.
     """
-    _, make = _simulator_and_maker(job)
-    if is_limited:
-        make()
+    simulator, make = _simulator_and_maker(job)
+    if rehearsed is None:
+        return
+    make()
+    for scene in rehearsed:
+        with suppress(OodscenError):
+            DrivePlan(scene, simulator, job.seed)
 
 
 @lru_cache(maxsize=1)

@@ -111,8 +111,10 @@ def evaluate(
     if not (episode.is_ordinary or any(label.strip() for label in path)):
         raise UsageError("path must have the labels of what is out of the ordinary")
     is_paper = protocol == "paper"
+    if is_paper and (withheld or rear is not None):
+        raise UsageError("the paper's protocol shows its frames, and no view to the rear")
     if is_paper:
-        options, rear, withheld = (), None, False
+        options = ()
     key = AnswerKey.of(episode, Truth(tuple(path), leaf, tuple(visible)), options)
     if takes_cases(vlm):
         case = Case(episode, key.path, leaf, options, episode.frames)

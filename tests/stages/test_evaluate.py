@@ -110,6 +110,14 @@ def test_a_file_that_is_no_picture_is_not_shown(frames, tmp_path):
     assert not llm.requests
 
 
+@pytest.mark.parametrize(
+    "choice", [{"withheld": True}, {"rear": Image.from_bytes(JPEG % b"", "r")}]
+)
+def test_what_the_paper_s_protocol_lacks_is_refused_in_it(frames, choice):
+    with pytest.raises(UsageError, match="paper's protocol"):
+        evaluate(EPISODE, frames, ScriptedLLM(answers()), path=PATH, protocol="paper", **choice)
+
+
 def test_a_model_is_not_asked_about_no_frame():
     llm = ScriptedLLM(answers())
     for withheld in (False, True):

@@ -28,9 +28,8 @@ def nearest_asset(entity: Element, catalogue: Catalogue) -> Asset | None:
         return None
     body.touch()
     name = body.get("name")
-    exported = next((asset for asset in catalogue.assets if asset.id == name), None)
-    if exported is not None:
-        return exported
+    if (called := catalogue.by_name.get(name)) is not None:
+        return called
     category = _category(body)
     candidates = _candidates(body, category, catalogue)
     if not candidates:
@@ -44,9 +43,10 @@ def nearest_asset(entity: Element, catalogue: Catalogue) -> Asset | None:
         if size is not None:
             length_m, width_m = size.number("length"), size.number("width")
             difference_m = abs(length_m - asset.length) + abs(width_m - asset.width)
-        has_its_word = bool(words.intersection(asset.id.split("_")))
+        names = (asset.id, *asset.names)
+        has_its_word = not words.isdisjoint(word for known in names for word in known.split("_"))
         agrees = difference_m < _ALIKE_M or body.name == "Pedestrian"
-        is_typical = agrees and asset.id == _TYPICAL.get(category)
+        is_typical = agrees and _TYPICAL.get(category) in names
         return not has_its_word, not is_typical, round(difference_m, 1)
 
     return min(candidates, key=unlikeness)

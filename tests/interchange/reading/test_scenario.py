@@ -443,3 +443,22 @@ def test_an_ego_that_the_file_has_not_is_refused_with_those_there_are(name, tmp_
         DataError, match=f"ego: there is no entity '{name}'; the file has: 'ego', 'a'"
     ):
         read(tmp_path, file([entity("ego"), entity("a")], starts), ego=name)
+
+
+def test_entities_become_assets_by_their_other_names(foreign, monkeypatch):
+    plain = catalogue()
+    own = plain.model_copy(
+        update={
+            "assets": tuple(
+                asset.model_copy(update={"id": f"my_{number}", "names": (asset.id,)})
+                for number, asset in enumerate(plain.assets)
+            )
+        }
+    )
+    for name in ("van", "small tractor", "x"):
+        entity = f'<Vehicle name="{name}" vehicleCategory="car"/>'
+        monkeypatch.setitem(foreign.__globals__, "catalogue", lambda: plain)
+        (expected,) = foreign(ENTITY=entity).scene.actors
+        monkeypatch.setitem(foreign.__globals__, "catalogue", lambda: own)
+        (found,) = foreign(ENTITY=entity).scene.actors
+        assert own.asset(found.asset).names == (expected.asset,)
