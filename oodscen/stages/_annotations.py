@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,7 +133,7 @@ class FrameAnnotations(Data):
         Raises:
             UsageError: If the state is one of another scene, or the frame cannot be one of the camera and the state.
         """
-        frame, camera, eye, cast = _seen(frame, state, scene, catalogue, camera)
+        frame, camera, eye, cast, _ = _seen(frame, state, scene, catalogue, camera)
         assets = {asset.id: asset for asset in catalogue.for_scene(scene).assets}
         # By the value in `Frame.ids`: 0 is no body, 1 the ego, then the actors in order.
         by_id = [CLASSES["scenery"], CLASSES["ego"]]
@@ -201,10 +201,59 @@ class FrameAnnotations(Data):
         }
 
 
+class _Pixels(NamedTuple):
+    """The visible pixels of a body."""
+
+    number: int
+    box: Box
+    nearest_m: float
+    """Least depth."""
+    farthest_m: float
+
+    @classmethod
+    def of(cls, frame: Frame, instance: int) -> Self | None:
+        """Return the pixels with an id; `None` if there are none."""
+        mask = frame.ids == instance
+        if not mask.any():
+            return None
+        rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+        box = (float(columns[0]), float(rows[0]), float(columns[-1] + 1), float(rows[-1] + 1))
+        depth_m = frame.depth[mask]
+        return cls(int(mask.sum()), box, float(depth_m.min()), float(depth_m.max()))
+
+    def may_show(self, body: UprightBox, eye: Eye) -> bool:
+        """Return whether the pixels meet a box in the picture and in depth."""
+        outline = eye.silhouette(body)
+        if not outline:
+            return False
+        left, top, right, bottom = _around(outline)
+        ahead_m = [eye.to_camera(corner)[2] for corner in body.corners()]
+        return bool(
+            self.box[0] <= right
+            and left <= self.box[2]
+            and self.box[1] <= bottom
+            and top <= self.box[3]
+            and self.nearest_m <= max(ahead_m)
+            and min(ahead_m) <= self.farthest_m
+        )
+
+
+class _Seen(NamedTuple):
+    """A frame with what it may show."""
+
+    frame: Frame
+    camera: Camera
+    eye: Eye
+    cast: Sequence[PlacedBody]
+    """All bodies, the ego first."""
+    pixels: Sequence[_Pixels | None]
+    """The pixels of the bodies other than the ego."""
+
+
 def _seen(
     frame: Frame, state: State, scene: Scene, catalogue: Catalogue, camera: Camera | None
-) -> tuple[Frame, Camera, Eye, Sequence[PlacedBody]]:
-    """Return a frame, its camera and its eye, and the bodies that it may show.
+) -> _Seen:
+    """Return a frame with its camera and the bodies that it may show.
 
     Raises:
         UsageError: If the state is one of another scene, the frame has another size or other bodies, or a body is seen
@@ -218,13 +267,14 @@ def _seen(
         raise UsageError(f"{error}; name the camera that rendered it, and its scene") from None
     cast = bodies(scene, catalogue, state.poses)
     eye = Eye(camera, cast[0].solid)
-    for row, body in enumerate(cast[1:], start=1):
-        if not _is_possible(frame, row + 1, eye, _enlarged(body.solid)):
+    pixels = [_Pixels.of(frame, row + 1) for row in range(1, len(cast))]
+    for body, visible in zip(cast[1:], pixels, strict=True):
+        if visible is not None and not visible.may_show(_enlarged(body.solid), eye):
             raise UsageError(
                 f"frame shows {body.id!r} where the state does not have it; name the camera that rendered it, its "
                 "scene and its state"
             )
-    return frame, camera, eye, cast
+    return _Seen(frame, camera, eye, cast, pixels)
 
 
 def _enlarged(body: UprightBox) -> UprightBox:
@@ -238,46 +288,22 @@ def _enlarged(body: UprightBox) -> UprightBox:
     )
 
 
-def _is_possible(frame: Frame, instance: int, eye: Eye, body: UprightBox) -> bool:
-    """Return whether the pixels of a body, if there are any, meet its box in the picture and in depth."""
-    mask = frame.ids == instance
-    _, box = _extent(mask)
-    if box is None:
-        return True
-    outline = eye.silhouette(body)
-    if not outline:
-        return False
-    left, top, right, bottom = _around(outline)
-    ahead_m = [eye.to_camera(corner)[2] for corner in body.corners()]
-    depth_m = frame.depth[mask]
-    return bool(
-        box[0] <= right
-        and left <= box[2]
-        and box[1] <= bottom
-        and top <= box[3]
-        and depth_m.min() <= max(ahead_m)
-        and min(ahead_m) <= depth_m.max()
-    )
-
-
 @checked
 def annotate(
     frame: Frame, state: State, scene: Scene, catalogue: Catalogue, camera: Camera | None = None
 ) -> FrameAnnotations:
     """Annotate a frame; `Scene.annotate` tells arguments and errors."""
-    frame, camera, eye, cast = _seen(frame, state, scene, catalogue, camera)
+    seen = _seen(frame, state, scene, catalogue, camera)
+    camera, eye = seen.camera, seen.eye
     categories = {asset.id: asset.category for asset in catalogue.for_scene(scene).assets}
     actors = [
         _actor_annotation(
-            body,
+            seen,
             row,
-            frame,
-            eye,
-            camera,
             category=categories[body.asset],
             is_hazard=body.id in scene.hazard.actors,
         )
-        for row, body in enumerate(cast[1:], start=1)
+        for row, body in enumerate(seen.cast[1:], start=1)
     ]
     return FrameAnnotations(
         scene_id=scene.id,
@@ -286,30 +312,22 @@ def annotate(
         height=camera.height,
         focal_px=round(eye.focal, 6),
         camera_position=_rounded(eye.place),
-        camera_yaw=wrapped(cast[0].solid.yaw + math.radians(camera.yaw_deg)),
+        camera_yaw=wrapped(seen.cast[0].solid.yaw + math.radians(camera.yaw_deg)),
         camera_pitch_deg=camera.pitch_deg,
         actors=tuple(actors),
     )
 
 
-def _actor_annotation(
-    body: PlacedBody,
-    row: int,
-    frame: Frame,
-    eye: Eye,
-    camera: Camera,
-    *,
-    category: str,
-    is_hazard: bool,
-) -> ActorAnnotation:
-    """Annotate one body, given with its row in the state."""
+def _actor_annotation(seen: _Seen, row: int, *, category: str, is_hazard: bool) -> ActorAnnotation:
+    """Annotate one body, given by its row in the state."""
+    body, visible, eye = seen.cast[row], seen.pixels[row - 1], seen.eye
     solid = body.solid
     outline = eye.silhouette(solid)
-    in_image = clipped(outline, camera.width, camera.height)
+    in_image = clipped(outline, seen.camera.width, seen.camera.height)
     outline_px, in_image_px = area(outline), area(in_image)
-    visible_px, box = _extent(frame.ids == row + 1)
+    visible_px = visible.number if visible else 0
     centre = (solid.x, solid.y, solid.z + 0.5 * solid.height)
-    unhidden_px = None if frame.unhidden is None else int(frame.unhidden[row])
+    unhidden_px = None if seen.frame.unhidden is None else int(seen.frame.unhidden[row])
     visible_share = round(min(1.0, visible_px / unhidden_px), 4) if unhidden_px else None
     return ActorAnnotation(
         id=body.id,
@@ -317,7 +335,7 @@ def _actor_annotation(
         asset=body.asset,
         category=category,
         is_hazard=is_hazard,
-        box=box,
+        box=visible.box if visible else None,
         box_projected=_around(in_image) if in_image_px > 0.0 else None,
         centre_world=_rounded(centre),
         yaw=solid.yaw,
@@ -369,15 +387,6 @@ def _ground(
                 continue
             part_kinds[on_surface & (strip.right[index] <= t) & (t < strip.left[index])] = kind
     return kinds
-
-
-def _extent(mask: NDArray[np.bool_]) -> tuple[int, Box | None]:
-    """Return the number of the pixels of a mask, and the box around them."""
-    if not mask.any():
-        return 0, None
-    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-    box = (float(columns[0]), float(rows[0]), float(columns[-1] + 1), float(rows[-1] + 1))
-    return int(mask.sum()), box
 
 
 def _around(outline: Sequence[tuple[float, float]]) -> Box:
