@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, ClassVar, Literal, Self, get_args
+from typing import TYPE_CHECKING, ClassVar, Literal, Protocol, Self, TypeVar, get_args
 
 from pydantic import Field, model_validator
 
@@ -200,8 +200,7 @@ class Catalogue(LeanData):
     @property
     def by_name(self) -> dict[str, Asset]:
         """The first asset of every name, ids before other names."""
-        named = {name: asset for asset in reversed(self.assets) for name in asset.names}
-        return named | {asset.id: asset for asset in self.assets}
+        return by_name(self.assets)
 
     def asset(self, name: str) -> Asset:
         """Return an asset by id; raises `KeyError` if it is unknown."""
@@ -400,6 +399,25 @@ def _check_parameters(kind: BehaviourKind, given: Mapping[str, float]) -> list[I
             limits = f"{exact(allowed.minimum)} to {exact(allowed.maximum)}"
             issues.append(Issue(name, f"{exact(value)} is outside {limits}"))
     return issues
+
+
+class _Named(Protocol):
+    """A thing with an id and other names."""
+
+    @property
+    def id(self) -> str: ...
+
+    @property
+    def names(self) -> tuple[str, ...]: ...
+
+
+_Thing = TypeVar("_Thing", bound=_Named)
+
+
+def by_name(things: Sequence[_Thing]) -> dict[str, _Thing]:
+    """Return the first thing of every name, ids before other names."""
+    named = {name: thing for thing in reversed(things) for name in thing.names}
+    return named | {thing.id: thing for thing in things}
 
 
 def _unknown(path: str, kind: str, name: str, known: Collection[str]) -> list[Issue]:

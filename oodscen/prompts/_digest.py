@@ -7,7 +7,7 @@ from typing import Self
 
 from oodscen._decimals import exact
 from oodscen.data._base import Data
-from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap
+from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap, by_name
 from oodscen.data._category import Category
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
@@ -115,8 +115,7 @@ class CatalogueDigest(Data):
     @property
     def by_name(self) -> dict[str, AssetLine]:
         """The first asset of every name, ids before other names."""
-        named = {name: asset for asset in reversed(self.assets) for name in asset.names}
-        return named | {asset.id: asset for asset in self.assets}
+        return by_name(self.assets)
 
     @property
     def by_category(self) -> dict[str, tuple[AssetLine, ...]]:
