@@ -27,6 +27,20 @@ def saying(text):
     return ScriptedLLM(lambda request: Completion(text=text), name="m")
 
 
+@pytest.fixture
+def searched(monkeypatch):
+    """Return the lengths of the texts that are searched for pieces of a key, as they come."""
+    monkeypatch.setenv("OPENAI_API_KEY", KEY)
+    lengths = []
+    search = _redaction._without_pieces
+    monkeypatch.setattr(
+        _redaction,
+        "_without_pieces",
+        lambda text, values: lengths.append(len(text)) or search(text, values),
+    )
+    return lengths
+
+
 @given(st.text(max_size=20))
 def test_an_answer_of_ordinary_length_stays_as_it_is(text):
     completion = Completion(text=text)
@@ -34,17 +48,7 @@ def test_an_answer_of_ordinary_length_stays_as_it_is(text):
 
 
 @pytest.mark.parametrize("filling", [" ", "word ", "\\", GOOD])
-def test_a_very_long_answer_is_cut_before_it_is_searched_and_recorded(
-    filling, tmp_path, monkeypatch
-):
-    monkeypatch.setenv("OPENAI_API_KEY", KEY)
-    searched = []
-    search = _redaction._without_pieces
-    monkeypatch.setattr(
-        _redaction,
-        "_without_pieces",
-        lambda text, values: searched.append(len(text)) or search(text, values),
-    )
+def test_a_very_long_answer_is_cut_before_it_is_searched_and_recorded(filling, tmp_path, searched):
     text = GOOD + filling * (5_000_000 // len(filling))
     file = tmp_path / "recording.jsonl"
     calls = []
@@ -86,15 +90,7 @@ def test_a_key_that_the_cut_divides_leaves_nothing(before, end):
 
 
 @pytest.mark.parametrize("kind", [LLMError, LLMTimeout, RuntimeError])
-def test_a_very_long_message_of_an_error_is_cut_before_it_is_searched(kind, monkeypatch):
-    monkeypatch.setenv("OPENAI_API_KEY", KEY)
-    searched = []
-    search = _redaction._without_pieces
-    monkeypatch.setattr(
-        _redaction,
-        "_without_pieces",
-        lambda text, values: searched.append(len(text)) or search(text, values),
-    )
+def test_a_very_long_message_of_an_error_is_cut_before_it_is_searched(kind, searched):
     calls = []
     llm = make_llm(ScriptedLLM([kind(f"{KEY} " * 100_000)]), log=calls.append)
     with pytest.raises(LLMError) as caught:
