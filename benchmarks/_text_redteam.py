@@ -20,7 +20,8 @@ import numpy as np
 from tqdm import tqdm
 
 from oodscen import RedTeamer, TreeGrower, make_encoder, make_llm
-from oodscen._registry import DEFAULT_ENCODER, DEFAULT_LLM
+from oodscen._entry_points import DEFAULT_LLM
+from oodscen._registry import DEFAULT_ENCODER
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.author._imagining import Habits, Imagination
 from oodscen.encoders._cached import CachedEncoder

@@ -27,6 +27,7 @@ DRIVERS = {
     "rss": "oodscen.driving._drivers.rss:RSSDriver",
 }
 """The built-in reference drivers by name."""
+DEFAULT_LLM = "builtin"
 
 _OWN_PACKAGES = ("oodscen", "oodscen_pybullet", "oodscen_carla", "oodscen_highway", "oodscen_sumo")
 _LONGEST = 4_096
@@ -180,6 +181,11 @@ def _state(kind: str, point: EntryPoint, same_name: list[EntryPoint]) -> str:
     return f"has no {', '.join(missing)}" if missing else "ok"
 
 
+def is_builtin(name: str) -> bool:
+    """Return whether a model name means the built-in author, with or without the user's own knowledge."""
+    return name.partition(":")[0] == DEFAULT_LLM
+
+
 def is_asked(name: str) -> bool:
     """Return whether a name belongs to an external model, which is asked for its answers."""
-    return name.partition(":")[0] not in ("builtin", "constant", "random", "replay")
+    return not is_builtin(name) and name.partition(":")[0] not in ("constant", "random", "replay")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from oodscen._arguments import checked
 from oodscen._entry_points import (
+    is_builtin,
     is_reference,
     load_factory,
     names,
@@ -32,12 +33,6 @@ DEFAULT_SIMULATOR = "pybullet"
 DEFAULT_CATALOGUES = ("carla-0.9.16",)
 """Catalogues that a study checks in addition to its own simulator's."""
 DEFAULT_ENCODER = "minilm"
-DEFAULT_LLM = "builtin"
-
-
-def is_builtin(name: str) -> bool:
-    """Return whether a model name means the built-in author, with or without the user's own knowledge."""
-    return name.partition(":")[0] == DEFAULT_LLM
 
 
 def make_simulator(simulator: str | Simulator) -> Simulator:

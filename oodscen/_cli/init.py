@@ -15,8 +15,8 @@ from oodscen._cli.configuration import RUN_SECTIONS, options_of
 from oodscen._cli.help import option_key, sections_of
 from oodscen._cli.output import say, write
 from oodscen._cli.paths import FileCommand, OutputName
+from oodscen._entry_points import DEFAULT_LLM
 from oodscen._files import is_written_through
-from oodscen._registry import DEFAULT_LLM
 from oodscen._text import one_line, text_fault
 from oodscen.errors import UsageError
 

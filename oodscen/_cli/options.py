@@ -10,7 +10,8 @@ from click.core import ParameterSource
 from oodscen._cli.completion import ComponentName
 from oodscen._cli.numbers import SHARE, FiniteRange
 from oodscen._cli.paths import OutputName
-from oodscen._registry import DEFAULT_ENCODER, DEFAULT_LLM, DEFAULT_SIMULATOR, is_builtin
+from oodscen._entry_points import DEFAULT_LLM, is_asked, is_builtin
+from oodscen._registry import DEFAULT_ENCODER, DEFAULT_SIMULATOR
 from oodscen._seeding import MAX_SEED
 from oodscen.data._reactions import LONGEST_REACTION_S, REACTIONS_S
 from oodscen.errors import OodscenError, UsageError
@@ -130,8 +131,6 @@ def refuse_idle_server(*models: str | None) -> None:
     Raises:
         UsageError: If `--api-base` was given for no model that it would reach.
     """
-    from oodscen._entry_points import is_asked
-
     named = [model for model in models if model is not None]
     if not any(map(is_asked, named)):
         is_author = all(map(is_builtin, named))
@@ -152,7 +151,6 @@ def refuse_idle_prices(
     Raises:
         UsageError: If `--price` names one, with the models that are asked.
     """
-    from oodscen._entry_points import is_asked
     from oodscen._registry import make_llm
 
     asked = [*filter(is_asked, models)]

@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
-from oodscen._entry_points import is_asked
+from oodscen._entry_points import is_asked, is_builtin
 from oodscen._pipeline.options import RunOptions
-from oodscen._registry import is_builtin, make_llm
+from oodscen._registry import make_llm
 from oodscen.data._verdict import without_pictures
 from oodscen.errors import UsageError
 from oodscen.judging._people import person

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from oodscen import _paper as paper
-from oodscen._registry import is_builtin
+from oodscen._entry_points import is_builtin
 from oodscen.data._episode import Episode
 from oodscen.data._pairing import scene_of
 from oodscen.data._reactions import REACTIONS_S, drivers_in_words

@@ -6,15 +6,9 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, ModelWrapValidatorHandler, model_validator
 
 from oodscen import _paper as paper
-from oodscen._entry_points import names
+from oodscen._entry_points import DEFAULT_LLM, is_builtin, names
 from oodscen._redaction import redact
-from oodscen._registry import (
-    DEFAULT_CATALOGUES,
-    DEFAULT_ENCODER,
-    DEFAULT_LLM,
-    DEFAULT_SIMULATOR,
-    is_builtin,
-)
+from oodscen._registry import DEFAULT_CATALOGUES, DEFAULT_ENCODER, DEFAULT_SIMULATOR
 from oodscen._seeding import MAX_SEED
 from oodscen.data._base import Choices
 from oodscen.data._reactions import LONGEST_REACTION_S, REACTIONS_S

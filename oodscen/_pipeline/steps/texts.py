@@ -5,8 +5,8 @@ from contextlib import suppress
 from typing import Any
 
 from oodscen._concurrency import as_finished
+from oodscen._entry_points import is_builtin
 from oodscen._pipeline.context import Context, failed
-from oodscen._registry import is_builtin
 from oodscen.data._scenario import Scenario
 from oodscen.errors import DataError, Issue, LLMError, UsageError
 from oodscen.metrics._detection.guard import is_calibrated
