@@ -115,7 +115,7 @@ class RandomAnswerer(_Sightless):
         action = ACTIONS[int(draw.integers(len(ACTIONS)))]
         names = [option.id for option in case.options]
         choice = names[int(draw.integers(len(names)))] if names else None
-        return Answers(is_ood, aspect=ASPECT if is_ood else "", choice=choice, action=action)
+        return Answers(is_ood=is_ood, aspect=ASPECT if is_ood else "", choice=choice, action=action)
 
     def _answer(self, prompt: _Question, sample: int) -> dict[str, Any]:
         frames = (image.name for image in prompt.frames)

@@ -12,6 +12,7 @@ from typing import ClassVar, Literal, Protocol, TypeGuard, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field, field_validator
 
 from oodscen._display import Brief
 from oodscen._members import optional
@@ -53,15 +54,23 @@ class Case(Brief):
     """File names of the pictures, by moment."""
 
 
-@dataclass(frozen=True)
-class Answers:
+class Answers(Data):
     """A reference's answers to one case."""
+
+    noun: ClassVar[str] = "answers"
 
     is_ood: bool
     aspect: str = ""
-    confidence: float | None = None
+    confidence: float | None = Field(default=None, ge=0, le=1)
     choice: str | None = None
     action: str | None = None
+
+    @field_validator("action")
+    @classmethod
+    def _is_known(cls, action: str | None) -> str | None:
+        if action not in (None, *ACTIONS):
+            raise ValueError(f"unknown action; the actions are {', '.join(ACTIONS)}")
+        return action
 
 
 @runtime_checkable
@@ -114,10 +123,12 @@ class Oracle(CaseAnswerer):
         """Answer from the ground truth."""
         action = best_action(case.episode.actions) or "emergency_brake"
         if case.episode.is_ordinary:
-            return Answers(False, confidence=1.0, choice=NOTHING, action=action)
+            return Answers(is_ood=False, confidence=1.0, choice=NOTHING, action=action)
         label = case.path[-1] if case.path else ""
         choice = next((option.id for option in case.options if option.holds(case.leaf)), case.leaf)
-        return Answers(True, label, 1.0, choice or None, action)
+        return Answers(
+            is_ood=True, aspect=label, confidence=1.0, choice=choice or None, action=action
+        )
 
 
 class Blind(CaseAnswerer):
@@ -159,7 +170,10 @@ class Blind(CaseAnswerer):
             if option.id != NOTHING
         }
         choice = max(sorted(listed), key=lambda name: listed[name], default=leaf)
-        return Answers(True, self._labels.get(leaf, ""), 0.5, choice or None, action)
+        aspect = self._labels.get(leaf, "")
+        return Answers(
+            is_ood=True, aspect=aspect, confidence=0.5, choice=choice or None, action=action
+        )
 
 
 class NoveltyReference(CaseAnswerer):
@@ -205,8 +219,8 @@ class NoveltyReference(CaseAnswerer):
         is_ood = share > 0.5
         confidence = round(share if is_ood else 1.0 - share, 6)
         if is_ood:
-            return Answers(True, confidence=confidence, action="stop")
-        return Answers(False, confidence=confidence, choice=NOTHING, action="keep_speed")
+            return Answers(is_ood=True, confidence=confidence, action="stop")
+        return Answers(is_ood=False, confidence=confidence, choice=NOTHING, action="keep_speed")
 
 
 NAMED = (*(f"constant:{action}" for action in ACTIONS), "random")

@@ -289,6 +289,6 @@ def _outcome(error: OodscenError) -> Outcome:
     return "timeout" if isinstance(error, LLMTimeout) else "error"
 
 
-def kind_of_answerer(model: LLM) -> Literal["model", "reference"]:
+def kind_of_answerer(model: object) -> Literal["model", "reference"]:
     """Return the kind of an answerer, as verdicts state it."""
     return "reference" if is_reference(model) else "model"

@@ -9,6 +9,7 @@ from pydantic import BaseModel
 
 from oodscen._arguments import checked
 from oodscen._jpeg import to_jpeg
+from oodscen._members import working
 from oodscen._numbers import said
 from oodscen.data._episode import Episode
 from oodscen.data._messages import Image
@@ -27,7 +28,7 @@ from oodscen.judging._questions import (
     naming_prompt,
     naming_reader,
 )
-from oodscen.judging._references import AspectOption, Case, takes_cases
+from oodscen.judging._references import Answers, AspectOption, Case, Reference, takes_cases
 from oodscen.judging._scoring import AnswerKey, GivenAnswers, Truth, kind_of_answerer, score_answers
 from oodscen.llm._ask import ask
 from oodscen.prompts._base import Prompt
@@ -162,19 +163,22 @@ def _as_image(frame: Image | Frame, episode: Episode, moment: str) -> Image:
     return Image.from_bytes(to_jpeg(rgb), f"frames/{episode.scene_id}/{moment}.jpg")
 
 
-def answers_of_reference(reference: Any, case: Case, protocol: Protocol) -> GivenAnswers:
-    """Return the answers of an answerer that takes cases."""
-    answers = reference.judge(case)
-    fields: dict[str, Any] = {
-        "is_ood": answers.is_ood,
-        "aspect": answers.aspect,
-        "confidence": answers.confidence,
-        "action": answers.action,
-    }
-    if case.options:
-        fields["choice"] = answers.choice
+def answers_of_reference(reference: Reference, case: Case, protocol: Protocol) -> GivenAnswers:
+    """Return the answers of an answerer that takes cases; none, with the failure, if its own code fails."""
+    fields: dict[str, Any] = {}
+    failures: list[OodscenError] = []
+    try:
+        with working("llm", reference.name):
+            answers = reference.judge(case)
+            if not isinstance(answers, Answers):
+                raise TypeError(f"its answers are {said(answers, 80)}, not Answers")
+            fields.update(answers)
+    except OodscenError as error:
+        failures.append(error)
+    if not case.options:
+        fields.pop("choice", None)
     kind = kind_of_answerer(reference)
-    return GivenAnswers(reference.name, fields, protocol=protocol, kind=kind)
+    return GivenAnswers(reference.name, fields, failures, protocol, kind)
 
 
 def unjudged_verdict(

@@ -16,7 +16,7 @@ from oodscen.errors import ContentFiltered, LLMError, LLMTimeout, ModelSkipped, 
 from oodscen.judging._aspects.matching import names_aspect
 from oodscen.judging._constant_answerers import ConstantAnswerer, RandomAnswerer
 from oodscen.judging._questions import ShownDrive, aspect_options
-from oodscen.judging._references import AspectOption
+from oodscen.judging._references import Answers, AspectOption
 from oodscen.protocols import Frame
 from oodscen.testing import ScriptedLLM
 from oodscen.testing._flat import FlatSimulator
@@ -257,6 +257,36 @@ def test_constant_answerers_score_what_their_action_scored(frames, action):
     verdict = evaluate(EPISODE, frames, ConstantAnswerer(action), path=PATH)
     assert verdict.kind == "reference"
     assert verdict.action_is_safe == EPISODE.actions[action].safe
+
+
+class _OwnReference:
+    name, kind = "own", "reference"
+
+    def __init__(self, answers):
+        self.answers = answers
+
+    def complete(self, request):
+        raise NotImplementedError
+
+    def judge(self, case):
+        return self.answers()
+
+
+@pytest.mark.parametrize(
+    ("answers", "fault"),
+    [
+        (lambda: 1 / 0, "division by zero"),
+        (lambda: None, "None, not Answers"),
+        (lambda: Answers(is_ood=True, confidence=7), "confidence"),
+        (lambda: Answers(is_ood=True, action="fly"), "unknown action"),
+    ],
+)
+def test_a_reference_whose_code_fails_is_a_verdict(answers, fault):
+    verdict = evaluate(EPISODE, {}, _OwnReference(answers), path=PATH)
+    assert (verdict.status, verdict.outcome, verdict.action) == ("failed", "error", None)
+    assert fault in verdict.error
+    good = _OwnReference(lambda: Answers(is_ood=True, action="stop"))
+    assert evaluate(EPISODE, {}, good, path=PATH).action_is_safe
 
 
 def test_the_random_answerer_is_repeatable(frames):

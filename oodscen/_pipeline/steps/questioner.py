@@ -10,7 +10,13 @@ from oodscen.data._verdict import Protocol, Verdict, without_pictures
 from oodscen.errors import DataError, Issue
 from oodscen.judging._questions import ShownDrive
 from oodscen.judging._references import Case, takes_cases
-from oodscen.judging._scoring import GivenAnswers, answers_in, kind_of_answerer, rescored
+from oodscen.judging._scoring import (
+    GivenAnswers,
+    answers_in,
+    kind_of_answerer,
+    rescored,
+    score_answers,
+)
 from oodscen.protocols import LLM
 from oodscen.stages._evaluate import answers_of_reference, unjudged_verdict
 from oodscen.stages._evaluate import evaluate as judge_episode
@@ -109,7 +115,11 @@ class Questioner:
         key = self._keys.of(episode, protocol)
         if takes_cases(model):
             case = Case(episode, key.path, key.leaf, key.options, episode.frames)
-            return rescored(verdict, key, answers_of_reference(model, case, protocol))
+            answers = answers_of_reference(model, case, protocol)
+            if answers.failures:
+                update = {"made_from": verdict.made_from}
+                return score_answers(key, answers).model_copy(update=update)
+            return rescored(verdict, key, answers)
         name = without_pictures(model.name) if item.is_withheld else model.name
         kind = kind_of_answerer(model)
         answers = GivenAnswers(name, answers_in(verdict), protocol=protocol, kind=kind)
