@@ -25,7 +25,7 @@ RUN_SECTIONS: Mapping[str, tuple[str, ...]] = {
         *("concurrency", "timeout", "patience"),
     ),
     "Tree": (
-        *("nodes", "iterations", "red-budget", "open-loop", "red-patience", "red-coverage"),
+        *("tree", "nodes", "iterations", "red-budget", "open-loop", "red-patience", "red-coverage"),
         *("in-flight", "nearest", "nearest-label", "rarity", "broadenings", "made"),
     ),
     "Texts": ("per-path", "set", "style", "candidates", "twins", "encoder", "baseline", "band"),

@@ -33,6 +33,7 @@ _EXAMPLES: Mapping[str, Any] = {
     "max-tokens": 1_000_000,
     "max-seconds": 3_600,
     "price": ["my-model=2.5,10"],
+    "tree": "tree.json",
     "red-budget": 500,
     "red-patience": 20,
     "red-coverage": 0.9,

@@ -90,6 +90,11 @@ if TYPE_CHECKING:
     help="Texts of ordinary driving: lines, JSONL, CSV or JSON.  [default: the shipped corpus]",
 )
 @click.option(
+    "--tree",
+    type=READABLE,
+    help="Tree to begin with, as `oodscen grow`, `tree` and `redteam` write it.  [default: --llm grows one]",
+)
+@click.option(
     "--nodes",
     type=click.IntRange(12, 2_000),
     help=f"Size of the initial tree.  [default: {paper.NODES['initial']}]",
@@ -258,6 +263,8 @@ def _refuse_idle_options(choices: dict[str, Any], *, open_loop: bool, dry_run: b
         raise UsageError(
             "a study measures its texts and needs an encoder; `none` is for the commands of single stages"
         )
+    if choices["tree"] is not None:
+        refuse_idle("with --tree, which gives the initial tree", "nodes")
     if dry_run:
         refuse_idle("with --dry-run, which counts what was never asked", "retry_failed")
 
@@ -267,8 +274,7 @@ def _config(choices: dict[str, Any], quick: bool, before: "StudyConfig | None") 
     from oodscen.study._config import StudyConfig
 
     given = {name: value for name, value in choices.items() if value not in (None, ())}
-    if "baseline" in given:
-        given["baseline"] = str(given["baseline"])
+    given |= {name: str(given[name]) for name in ("baseline", "tree") if name in given}
     small = StudyConfig.quick().model_dump() if quick else {}
     config = StudyConfig.parse({**small, **given})
     return config if before is None else config.judging_too(before, set(given))

@@ -217,7 +217,8 @@ def _growth(material: Material) -> Canvas | None:
     before = material.trees.get("initial")
     start = len(before) if before else first.nodes
     points = [Point(row.round, row.nodes, row.decision or "failed") for row in material.rounds]
-    is_papers = material.config.get("nodes") == paper.NODES["initial"]
+    is_grown = material.config.get("tree") is None
+    is_papers = is_grown and material.config.get("nodes") == paper.NODES["initial"]
     return growth(points, start, paper.NODES["diverse"] if is_papers else None)
 
 

@@ -34,6 +34,7 @@ def test_every_option_of_run_has_its_section_and_can_stand_in_a_file(tmp_path, m
     assert sorted(listed) == sorted([*OPTIONS, "config", "help"])
     monkeypatch.chdir(tmp_path)
     Path("texts.txt").write_text("A car waits.\n")
+    Path("tree.json").write_text("{}")
     whole = uncommented(commented(run, {}))
     assert set(tomllib.loads(whole)) == set(OPTIONS)
     assert set(read(whole, tmp_path)) == {option.name for option in OPTIONS.values()}

@@ -12,11 +12,12 @@ from oodscen.tree._scenario_tree import ScenarioTree
 
 
 def grow(run: Context) -> ScenarioTree:
-    """Grow the initial tree."""
+    """Grow the initial tree, or take the given one."""
     if not run.store.holds("tree.initial.json"):
-        run.store.write(
-            "tree.initial.json", _tree_text(TreeGrower(run.llm, nodes=run.config.nodes).run())
-        )
+        tree = run.given_tree
+        if tree is None:
+            tree = TreeGrower(run.llm, nodes=run.config.nodes).run()
+        run.store.write("tree.initial.json", _tree_text(tree))
     run.progress("grow", 1, 1)
     return run.study.tree("initial")
 
