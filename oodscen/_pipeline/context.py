@@ -82,20 +82,21 @@ class Context:
 
     @cached_property
     def given_tree(self) -> ScenarioTree | None:
-        """The tree to begin with, or `None` if a model grows one.
+        """The tree to begin with, or `None` if a model grows one, or the study has begun and the file is gone.
 
         Raises:
             DataError: If its file holds no tree, or one without a path that red teaming does not extend.
             StudyMismatch: If the study began with another tree.
         """
         file = self.config.tree
-        if file is None:
+        is_begun = self.store.holds("tree.initial.json")
+        if file is None or (is_begun and not Path(file).exists()):
             return None
         tree = ScenarioTree.load(file)
         if not (tree.paths or (len(tree) and self.config.iterations)):
             fault = "has no path, and red teaming adds none"
             raise DataError(tree.noun, [Issue("", fault)], source=file)
-        begun = self.study.tree("initial") if self.store.holds("tree.initial.json") else tree
+        begun = self.study.tree("initial") if is_begun else tree
         if begun != tree:
             told = (f"tree.initial.json ({begun.digest()[:8]})", f"{file} ({tree.digest()[:8]})")
             raise StudyMismatch(str(self.study.folder), {"tree": told})
