@@ -12,49 +12,24 @@ from oodscen_pybullet._lighting.lamps import camera_row, ground_light
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shadows import CELLS, FAR_CELLS, FAR_SIDE_M, SIDE_M, Shade
 from oodscen_pybullet._lighting.shelter import Portal
+from oodscen_pybullet._rendering.clouds import cloud_columns, cloud_rows, clouds
+from oodscen_pybullet._rendering.headlamps import FULL_DAY, beam, beam_spreads, halo, halo_rows
 from oodscen_pybullet._rendering.optics import OPAQUE, fade
-from oodscen_pybullet._rendering.plate import Air, Clouds, Daylight, Plate, PortalPlane, ShadowMaps
-from oodscen_pybullet._rendering.sky import (
-    SKY_M,
-    clear_sky,
-    cloud_columns,
-    cloud_cover,
-    cloud_rows,
-    cloud_sheet,
-)
+from oodscen_pybullet._rendering.plate import Air, Daylight, Plate, PortalPlane, ShadowMaps
+from oodscen_pybullet._rendering.sky import SKY_M, clear_sky
 from oodscen_pybullet._rendering.stage import RawPicture
 from oodscen_pybullet._rendering.triangles import GROUND
 from oodscen_pybullet._rendering.view import CameraView
-from oodscen_pybullet._types import F32, U8
+from oodscen_pybullet._types import U8
 
 _WET = 0.62
 """Brightness of wet asphalt relative to dry."""
-_SPREADS = (0.42, 0.75)
-"""Slopes to the side at which the ego's beams have fallen to 1 / e: on surfaces, and in the air."""
-_HALO, _HALO_M = 104.0, 30.0
-"""Brightness of thick fog in front of the ego's lamps, and the length at which fog of extinction 1 / length is thick, m."""
-_HALO_BELOW, _HALO_HEIGHT = np.float32(0.06), np.float32(1.0 / 0.3)
-"""Slope below the horizon up to which the halo is full, and 1 / the slope above that at which it is half."""
-_HIGHEST = 8.0
-"""Height above the halo, in units of that slope, from which the halo no longer falls."""
-_BEAM = 1.15
-"""Brightness of the ego's beams in the dark."""
-_FULL_DAY, _HALO_ENDS, _GRAINY = 0.99, 0.6, 0.5
-"""Daylight from which beams are not seen, above which fog has no halo, and below which pictures have grain."""
+_GRAINY = 0.5
+"""Daylight below which pictures have grain."""
 _GRAINS = 1 << 22
 """Places at which the sequence of grain may start."""
 _LEAST_DARKNESS = 0.05
 """Least darkness of a shadow on level ground by which the sun's gain is computed."""
-_CLOUDY, _OVERCAST = 0.02, 0.75
-"""Cover from which there are clouds, and from which they leave no clear sky."""
-_CLOUD_REACH, _CLOUD_SOFTNESS = 0.9, 0.12
-"""Fall of the density at which clouds begin from a clear sky to a covered one, and from there to their soft edges."""
-_NO_CLOUDS = 9.0
-"""Density at which clouds begin that none reaches."""
-_CLOUD_SHADE, _CLOUD_GLOOM = 0.86, 0.12
-"""Brightness of thin clouds, and its fall from a clear sky to a covered one."""
-_CLOUD_WHITE, _CLOUD_NIGHT = 243.0, 0.06
-"""Brightness of a white cloud by day, 0 to 255, and the share of it by night."""
 _LOW_M, _LOW_SLOPE = np.float32(0.16), np.float32(0.02)
 """Height up to which a surface counts as ground, m, and its growth per metre of distance."""
 _SURFACES_END_M = np.float32(400.0)
@@ -101,11 +76,11 @@ def expose(picture: RawPicture, rate: float, air: Sequence[float]) -> Plate:
         air=_air(picture, rate, air),
         daylight=_daylight(light, has_shadows=shot.shade is not None),
         shadow=_shadow_map(view, light, shot.shade) if shot.shade else _NO_SHADOWS,
-        clouds=_clouds(cloud_cover(weather), light.daylight, cloud_sheet(picture.seed)),
+        clouds=clouds(weather, light, picture.seed),
         portal=_portal_plane(picture.portal, light.daylight) if picture.portal else _NO_PORTAL,
-        beam=_beam(view, light),
-        beam_spread=np.stack([_beam_spread(across, slope) for slope in _SPREADS]),
-        halo=_halo(upwards),
+        beam=beam(view, light),
+        beam_spread=beam_spreads(across),
+        halo=halo_rows(upwards),
         clear_sky=clear_sky(view, weather, light),
         cloud_rows=cloud_rows(view),
         cloud_columns=cloud_columns(view),
@@ -124,26 +99,22 @@ def _kinds(picture: RawPicture) -> U8:
     shot, view = picture.shot, picture.view
     if shot.kinds is not None:
         return shot.kinds
-    _, upwards = view.slopes()
     near = np.minimum(shot.reach, _SURFACES_END_M)
-    rise = upwards * np.float32(view.up[2]) + np.float32(view.forward[2])
-    height = np.float32(view.eye[2] - picture.road_height) + near * rise[:, None]
+    height = np.float32(view.eye[2] - picture.road_height) + near * view.rises()[:, None]
     is_low = height < _LOW_M + near * _LOW_SLOPE
     return np.where((shot.rows < 0) & is_low, np.uint8(GROUND), np.uint8(0))
 
 
 def _air(picture: RawPicture, rate: float, colour: Sequence[float]) -> Air:
     """Return the air, lit by the ego's beams in the dark."""
-    daylight, halo, through = picture.light.daylight, 0.0, _ONE
-    if daylight <= _HALO_ENDS and rate > 0.0 and picture.view.is_lit:
-        halo = _HALO * (1.0 - daylight) * min(1.0, rate * _HALO_M)
+    through = _ONE
     if rate > 0.0:
         through = np.float32(fade(np.float32(min(rate * SKY_M, float(OPAQUE)))))
     return Air(
         rate=np.float32(rate),
         fog_rate=np.float32(_fog_rate(picture.weather)),
         colour=np.array(colour, np.float32),
-        halo=np.float32(halo),
+        halo=halo(picture.view, picture.light, rate),
         sky_through=through,
     )
 
@@ -155,18 +126,12 @@ def _fog_rate(weather: Weather) -> float:
 
 def _daylight(light: Light, *, has_shadows: bool) -> Daylight:
     """Return the colours of daylight and of shade."""
-    is_full = light.daylight >= _FULL_DAY
+    is_full = light.daylight >= FULL_DAY
     level = 1.0 if is_full else light.daylight
     direct = np.array([tint * level for tint in light.tint], np.float32)
     colour = light.shadow_tint if has_shadows else light.tint
     shade = [direct[e] / light.tint[e] * colour[e] for e in range(3)]
     return Daylight(direct, np.array(shade, np.float32), light.darkness())
-
-
-def _beam(view: CameraView, light: Light) -> np.float32:
-    """Return the brightness of the ego's beams."""
-    is_seen = view.is_lit and light.daylight < _FULL_DAY
-    return np.float32(_BEAM * (1.0 - light.daylight) if is_seen else 0.0)
 
 
 def _shadow_map(view: CameraView, light: Light, shade: Shade) -> ShadowMaps:
@@ -193,18 +158,6 @@ def _shadow_map(view: CameraView, light: Light, shade: Shade) -> ShadowMaps:
     )
 
 
-def _clouds(cover: float, daylight: float, sheet: F32) -> Clouds:
-    """Return the clouds that cover a share of the sky."""
-    begins = 1.0 - _CLOUD_REACH * cover - _CLOUD_SOFTNESS
-    return Clouds(
-        edge=np.float32(begins if cover > _CLOUDY else _NO_CLOUDS),
-        floor=np.float32(max(0.0, (cover - _OVERCAST) / (1.0 - _OVERCAST))),
-        shade=np.float32(_CLOUD_SHADE - _CLOUD_GLOOM * cover),
-        bright=np.float32(_CLOUD_WHITE * (_CLOUD_NIGHT + (1.0 - _CLOUD_NIGHT) * daylight)),
-        sheet=sheet,
-    )
-
-
 def _portal_plane(portal: Portal, daylight: float) -> PortalPlane:
     """Return the end of a tunnel, whose lamps look the brighter the more the camera has adapted to them."""
     dark = 1.0 - daylight
@@ -221,18 +174,6 @@ def _portal_plane(portal: Portal, daylight: float) -> PortalPlane:
         lamps=np.array([bright * part for part in _TUNNEL], np.float32),
         air=np.float32(_HAZE_INSIDE) if daylight > _BRIGHT_OUTSIDE else _ONE,
     )
-
-
-def _beam_spread(across: F32, slope: float) -> F32:
-    """Return the lateral falloff of the ego's beams, [width]."""
-    aside = across * np.float32(1.0 / slope)
-    return np.asarray(fade(np.minimum(aside * aside, OPAQUE)), np.float32)
-
-
-def _halo(upwards: F32) -> F32:
-    """Return the brightness of the air in front of the ego's lamps by row, [height]."""
-    high = np.clip((upwards + _HALO_BELOW) * _HALO_HEIGHT, 0.0, _HIGHEST)
-    return np.asarray(_ONE / (_ONE + high * high), np.float32)
 
 
 def _noise(picture: RawPicture) -> int:

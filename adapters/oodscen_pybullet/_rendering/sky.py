@@ -1,14 +1,11 @@
-"""The colours of the air and of the sky, and its clouds."""
+"""The colours of the air and of the clear sky."""
 
 from collections.abc import Mapping
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from oodscen._seeding import stream
 from oodscen.data._scene import Precipitation, Weather
-from oodscen.numerics import _exact as exact
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._types import F32
@@ -17,8 +14,6 @@ Colour = tuple[float, float, float]
 
 SKY_M = 6_000.0
 """Distance at which fog hides the sky as it hides things, m."""
-SHEET = (256, 1024)
-"""Rows by height and columns by heading of the cloud sheet."""
 _GREY: Mapping[Precipitation, Colour] = {
     "none": (196.0, 201.0, 207.0),
     "rain": (158.0, 164.0, 171.0),
@@ -45,8 +40,6 @@ _GLOW_ENDS_DEG = -8.0
 _GLOW_SHARE = 0.6
 _RISE = 1.6
 """Share of the way from horizon to zenith colour per unit of upward slope."""
-_CLOUD_ROWS = 420.0
-"""Rows of the cloud sheet per unit of upward slope."""
 
 
 def air_colour(weather: Weather, light: Light) -> Colour:
@@ -65,7 +58,7 @@ def clear_sky(view: CameraView, weather: Weather, light: Light) -> F32:
 
     Below the horizon it is the haze over distant ground.
     """
-    high = np.clip(_rises(view) * np.float32(_RISE), 0.0, 1.0).astype(np.float32)
+    high = np.clip(view.rises() * np.float32(_RISE), 0.0, 1.0).astype(np.float32)
     sun, day = weather.sun_elevation_deg, light.daylight
     low = 1.0 - min(1.0, max(0.0, sun) / _GLOW_BELOW_DEG)
     glow = _GLOW_SHARE * low * max(0.0, min(1.0, (sun - _GLOW_ENDS_DEG) / -_GLOW_ENDS_DEG))
@@ -76,59 +69,3 @@ def clear_sky(view: CameraView, weather: Weather, light: Light) -> F32:
         top = _NIGHT.zenith[e] + (_DAY.zenith[e] - _NIGHT.zenith[e]) * day
         rows[:, e] = np.float32(bottom) + np.float32(top - bottom) * high
     return rows
-
-
-def cloud_rows(view: CameraView) -> F32:
-    """Return the row of the cloud sheet for each row of pixels, and the weight of the next: [height, 2] float32."""
-    place = np.clip(_rises(view) * np.float32(_CLOUD_ROWS), 0.0, np.float32(SHEET[0] - 1.001))
-    low = np.floor(place)
-    return np.stack([low, place - low], axis=1).astype(np.float32)
-
-
-def _rises(view: CameraView) -> F32:
-    """Return the rise per metre ahead for each row of pixels."""
-    _, upwards = view.slopes()
-    return np.asarray(upwards * np.float32(view.up[2]) + np.float32(view.forward[2]), np.float32)
-
-
-def cloud_columns(view: CameraView) -> F32:
-    """Return the column of the cloud sheet for each column of pixels: [width] float32."""
-    across, _ = view.slopes()
-    turn = exact.atan2(view.forward[1], view.forward[0]) / exact.TAU
-    columns = np.float32(turn * SHEET[1]) - across * np.float32(SHEET[1] / exact.TAU)
-    columns -= np.floor(columns * np.float32(1 / SHEET[1])) * np.float32(SHEET[1])
-    return np.asarray(np.clip(columns, 0.0, np.float32(SHEET[1] - 0.001)), np.float32)
-
-
-def cloud_cover(weather: Weather) -> float:
-    """Return the fraction of the sky that clouds hide."""
-    return max(weather.cloud_cover, 1.0 if weather.precipitation != "none" else 0.0)
-
-
-@lru_cache(maxsize=8)
-def cloud_sheet(seed: int) -> F32:
-    """Return the density of clouds by height and heading, one column more than a full turn."""
-    rng = stream(seed, "clouds")
-    height, width = SHEET
-    sheet = np.zeros((height, width), np.float32)
-    octaves = ((10, 48, 0.52), (22, 96, 0.26), (44, 256, 0.15), (88, 512, 0.07))
-    for rows, columns, weight in octaves:
-        noise = rng.integers(0, 4096, (rows + 1, columns)).astype(np.float32) * np.float32(1 / 4095)
-        sheet += np.float32(weight) * _stretched(noise, height, width)
-    sheet = np.clip((sheet - np.float32(0.5)) * np.float32(1.7) + np.float32(0.5), 0.0, 1.0)
-    sheet = np.hstack([sheet, sheet[:, :1]]).astype(np.float32)
-    sheet.flags.writeable = False
-    return sheet
-
-
-def _stretched(noise: F32, height: int, width: int) -> F32:
-    """Return noise resampled smoothly to another size; the last column meets the first."""
-    rows, columns = noise.shape
-    y = np.arange(height, dtype=np.float32) * np.float32((rows - 1) / height)
-    x = np.arange(width, dtype=np.float32) * np.float32(columns / width)
-    i, j = y.astype(np.int64), x.astype(np.int64)
-    v, u = y - i.astype(np.float32), x - j.astype(np.float32)
-    v, u = v * v * (np.float32(3.0) - 2 * v), u * u * (np.float32(3.0) - 2 * u)
-    lines = noise[i] + (noise[i + 1] - noise[i]) * v[:, None]
-    other = lines[:, (j + 1) % columns]
-    return np.asarray(lines[:, j] + (other - lines[:, j]) * u[None, :], np.float32)

@@ -134,6 +134,13 @@ class CameraView:
         scale = np.float32(1.0 / self.focal)
         return (columns * scale).astype(np.float32), (rows * scale).astype(np.float32)
 
+    def rises(self) -> F32:
+        """Return the rise towards the world's up per metre of depth, by row: [height]."""
+        _, upwards = self.slopes()
+        return np.asarray(
+            upwards * np.float32(self.up[2]) + np.float32(self.forward[2]), np.float32
+        )
+
 
 def metres(buffer: F32) -> F32:
     """Convert the renderer's depth buffer to metres along the optical axis, infinity for the sky."""
