@@ -14,8 +14,12 @@ LINKS = frozenset(
     """.split()
 )
 """Prepositions and conjunctions, which have one form."""
-_RIGID = frozenset({"stag", "its", "was", "all", "the", "not", "red", "two", "box", "men"})
+_RIGID = frozenset({"stag", "doe", "its", "was", "all", "the", "not", "red", "two", "box", "men"})
 """Words that must not be inflected: their inflected forms are other words, or do not exist."""
+_PLURAL_ONLY = frozenset(
+    "barrel bear branch buck car combine cop duck float skip tire train wheel".split()
+)
+"""Words for things that have a plural, and no participle or past: "bearing" and "tired" are other words."""
 
 
 def split_words(text: str) -> tuple[list[str], list[int]]:
@@ -70,6 +74,8 @@ def _inflected(word: str) -> Iterator[str]:
         return
     is_sibilant = word.endswith(("s", "x", "z", "ch", "sh"))
     yield word + ("es" if is_sibilant else "s")
+    if word in _PLURAL_ONLY:
+        return
     if word.endswith("y") and word[-2] not in "aeiou":
         yield from (word[:-1] + "ies", word[:-1] + "ied")
     stem = word.removesuffix("e")

@@ -44,3 +44,34 @@ def test_states_imply_things():
         if concept.implied:
             assert concept.kind in ("state", "act")
             assert concepts()[concept.implied].kind in ("odd", "ordinary")
+
+
+@pytest.mark.parametrize(
+    ("text", "thing"),
+    [
+        ("The traffic light does not work", "deer"),
+        ("A cyclist doing a wheelie", "deer"),
+        ("A horse bucking under its rider", "deer"),
+        ("A lorry bearing down on the ego", "bear"),
+        ("A man caring for an injured person", "vehicle"),
+        ("A driver coping with ice", "police officer"),
+        ("A man ducking under a barrier", "bird"),
+        ("A child skipping with a rope", "skip"),
+        ("A tired driver", "tyre"),
+        ("A man in training", "train"),
+        ("A man wheeling a bicycle", "tyre"),
+        ("Planks floating on a flooded road", "carnival float"),
+        ("Fog combined with rain", "tractor"),
+        ("A lorry barrelling down the hill", "crate"),
+        ("A road branching off ahead", "branch"),
+    ],
+)
+def test_a_verb_that_sounds_like_a_thing_does_not_name_it(text, thing):
+    assert thing not in [concept.name for concept in naming_of(text).concepts]
+
+
+@pytest.mark.parametrize(
+    ("text", "thing"), [("Two bears", "bear"), ("Branches", "branch"), ("Wheels", "tyre")]
+)
+def test_several_things_name_what_one_names(text, thing):
+    assert [concept.name for concept in naming_of(text).concepts] == [thing]
