@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from oodscen.errors import AnswerError, ContentFiltered
+from oodscen.llm._accounting import account
 from oodscen.llm._ask import ask, speaker
 from oodscen.llm._call_log import Call, LoggedLLM
 from oodscen.metrics._rarity.estimates import (
@@ -61,14 +62,14 @@ def ask_rarity(
         if estimate is not None:
             answered.append(rate)
             estimates.append(estimate)
-    costs = [call.cost_usd for call in calls if call.status == "ok"]
+    used = account((), [call.model_dump() for call in calls])
     rarity = gather_rarity(per_text, speaker(llm), answered or None, estimates, clusters, seed=seed)
     return rarity.model_copy(
         update={
             "unanswered_rates": len(anchors or ()) - len(answered),
-            "input_tokens": sum(call.input_tokens for call in calls),
-            "output_tokens": sum(call.output_tokens for call in calls),
-            "cost_usd": None if None in costs else sum(filter(None, costs)),
+            "input_tokens": used.input_tokens,
+            "output_tokens": used.output_tokens,
+            "cost_usd": used.cost_usd,
         }
     )
 

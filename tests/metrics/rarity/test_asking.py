@@ -1,9 +1,13 @@
 """Asking a model for rarity: draws, refusals and nonsense."""
 
+import json
+
 import pytest
 
 from oodscen import Metrics
+from oodscen.errors import ContentFiltered
 from oodscen.metrics._rarity.asking import ask_rarity
+from oodscen.protocols import Completion, Usage
 from oodscen.testing import ScriptedLLM
 from oodscen.testing._encoder import HashEncoder
 
@@ -73,6 +77,20 @@ def test_nonsense_is_flagged_and_never_a_figure(bad):
 def test_one_failed_draw_leaves_the_others():
     found = ask_rarity(ScriptedLLM(lambda r: "no" if r.sample == 1 else good(r)), TEXTS, draws=3)
     assert len(found.per_text[0].draws) == 2
+
+
+@pytest.mark.parametrize(("stated_usd", "total_usd"), [(0.5, 0.75), (None, None)])
+def test_an_answer_that_a_filter_withheld_costs_what_its_provider_states(stated_usd, total_usd):
+    def answer(request):
+        if request.sample == 1:
+            usage = Usage(input_tokens=100, output_tokens=10, cost_usd=stated_usd)
+            raise ContentFiltered("withheld", usage=usage)
+        usage = Usage(input_tokens=100, output_tokens=10, cost_usd=0.25)
+        return Completion(text=json.dumps(good(request)), usage=usage)
+
+    found = ask_rarity(ScriptedLLM(answer), TEXTS, draws=2)
+    assert found.input_tokens + found.output_tokens == 220
+    assert found.cost_usd == total_usd
 
 
 def test_many_texts_are_asked_in_parts_and_keep_their_order():
