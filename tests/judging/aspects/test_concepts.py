@@ -64,6 +64,7 @@ def test_states_imply_things():
         ("Fog combined with rain", "tractor"),
         ("A lorry barrelling down the hill", "crate"),
         ("A road branching off ahead", "branch"),
+        ("A woman hailing a taxi", "hail"),
     ],
 )
 def test_a_verb_that_sounds_like_a_thing_does_not_name_it(text, thing):
