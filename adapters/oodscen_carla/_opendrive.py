@@ -4,12 +4,22 @@ import math
 import re
 
 import numpy as np
+from lxml import etree
 
 _ROAD = re.compile(r"""(<road\s(?:[^>]*?\s)?length=(["']))([^"']*)""")
 _HEADER = re.compile(r"<header\b([^>]*?)(/?)>", re.DOTALL)
 _LONGEST_M = 4096.0
 """Length of the longest road that is changed, m: up to there, the step of 32-bit floats is at most 0.2 mm."""
 _REFERENCE = "<geoReference><![CDATA[+proj=tmerc +lat_0=0 +lon_0=0]]></geoReference>"
+
+
+def decoded(data: bytes) -> str:
+    """Return an OpenDRIVE document as text: in UTF-8 as it is, in another encoding without its declaration."""
+    try:
+        return data.decode()
+    except UnicodeDecodeError:
+        parser = etree.XMLParser(resolve_entities=False, no_network=True)
+        return etree.tostring(etree.fromstring(data, parser), encoding="unicode")
 
 
 def for_carla(text: str) -> str:

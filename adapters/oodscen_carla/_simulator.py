@@ -21,7 +21,7 @@ from oodscen_carla._blueprints import blueprint_of
 from oodscen_carla._catalogue import load_catalogue
 from oodscen_carla._connection import Connection, ServerBody, host_and_port
 from oodscen_carla._lights import LAMPS_OF_STATE, VehicleLight
-from oodscen_carla._opendrive import for_carla
+from oodscen_carla._opendrive import decoded, for_carla
 from oodscen_carla._weather import to_carla
 
 ADDRESS_VARIABLE = "OODSCEN_CARLA"
@@ -123,7 +123,7 @@ class CarlaSimulator(MirrorSimulator):
         except SimulatorError:
             connection = self._reconnected()
             connection.clear(others=True)
-        text = for_carla(read_map(find_map(scene.map, self.catalogue()).file).decode())
+        text = for_carla(decoded(read_map(find_map(scene.map, self.catalogue()).file)))
         connection.open(text, self.dt)
         connection.set_weather(to_carla(scene.weather))
 

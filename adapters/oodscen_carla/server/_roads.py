@@ -19,7 +19,7 @@ from oodscen.driving._roads.geometry import piecewise
 from oodscen.driving._roads.network import LaneSection, Network, Road
 from oodscen.driving._roads.opendrive import read_network
 from oodscen.driving._roads.routes import road_point
-from oodscen_carla._opendrive import for_carla
+from oodscen_carla._opendrive import decoded, for_carla
 from oodscen_carla.server._values import Transform
 
 _LEAST_STEP_M = 2.0
@@ -105,7 +105,7 @@ class ServedMap:
     @classmethod
     def of(cls, road_map: RoadMap, name: str = "") -> "ServedMap":
         """Return a map of the catalogue, under another name if one is given."""
-        return cls._of(name or road_map.id, for_carla(read_map(road_map.file).decode()), road_map)
+        return cls._of(name or road_map.id, for_carla(decoded(read_map(road_map.file))), road_map)
 
     @classmethod
     def _of(cls, name: str, text: str, road_map: RoadMap) -> "ServedMap":
@@ -145,7 +145,7 @@ def _digests(maps: tuple[tuple[str, str], ...]) -> dict[str, str]:
     """Return the ids of maps by the digests of their documents, as they are and as served."""
     digests: dict[str, str] = {}
     for name, file in maps:
-        text = read_map(file).decode()
+        text = decoded(read_map(file))
         digests |= {_digest(text): name, _digest(for_carla(text)): name}
     return digests
 

@@ -4,7 +4,7 @@ import pytest
 from oodscen_carla.server import _roads
 from oodscen_carla.server._roads import ServedMap
 
-from oodscen.driving._roads.building import load_corridor
+from oodscen.driving._roads.building import find_map, load_corridor
 from oodscen.testing._flat import FlatSimulator
 
 LANE = (
@@ -25,13 +25,17 @@ def road(number: int, y: float, length: float, slope: float = 0.0) -> str:
     )
 
 
-def served(folder: Path, *roads: str) -> ServedMap:
+def document(*roads: str, name: str = "", encoding: str = "UTF-8") -> str:
     header = (
-        '<header revMajor="1" revMinor="4" name="" version="1" date="" '
+        f'<header revMajor="1" revMinor="4" name="{name}" version="1" date="" '
         'north="0" south="0" east="0" west="0"/>'
     )
-    text = f'<?xml version="1.0"?><OpenDRIVE>{header}{"".join(roads)}</OpenDRIVE>'
-    return ServedMap.received(text, folder, FlatSimulator().catalogue())
+    declaration = f'<?xml version="1.0" encoding="{encoding}"?>'
+    return f"{declaration}<OpenDRIVE>{header}{''.join(roads)}</OpenDRIVE>"
+
+
+def served(folder: Path, *roads: str) -> ServedMap:
+    return ServedMap.received(document(*roads), folder, FlatSimulator().catalogue())
 
 
 @pytest.mark.parametrize("side_roads", [4, 99])
@@ -61,3 +65,16 @@ def test_the_ground_rises_steadily_between_samples(
         assert ground is not None
         assert ground[0] == pytest.approx(0.1 * x, abs=1e-6)
     assert hill.ground(500.0, 41.0) is None
+
+
+@pytest.mark.parametrize("encoding", ["UTF-8", "ISO-8859-1", "UTF-16"])
+def test_a_file_in_any_encoding_is_served_as_a_text_that_a_client_can_send_back(
+    tmp_path: Path, encoding: str
+) -> None:
+    file = tmp_path / "town.xodr"
+    text = document(road(1, 0.0, 300.0), name="Köln", encoding=encoding)
+    file.write_bytes(text.encode(encoding))
+    town = ServedMap.of(find_map(str(file)))
+    assert 'name="Köln"' in town.text
+    sent = ServedMap.received(town.text, tmp_path, FlatSimulator().catalogue())
+    assert sent.spawn_points == town.spawn_points
