@@ -13,6 +13,7 @@ StripKind = Literal[
 KINDS: dict[str, StripKind] = {
     **dict.fromkeys(("driving", "entry", "exit", "onRamp", "offRamp", "slipLane"), "driving"),
     **dict.fromkeys(("connectingRamp", "bidirectional", "bus", "taxi", "HOV"), "driving"),
+    **dict.fromkeys(("mwyEntry", "mwyExit"), "driving"),
     **dict.fromkeys(("shoulder", "stop", "biking"), "shoulder"),
     **dict.fromkeys(("sidewalk", "walking"), "sidewalk"),
     **dict.fromkeys(("border", "curb", "restricted"), "border"),

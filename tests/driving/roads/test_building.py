@@ -182,3 +182,10 @@ def test_a_tunnel_goes_on_over_the_joint_of_two_roads(tmp_path: Path, gap_m: flo
     joined = [("tunnel", 140.0, 260.0 + gap_m)]
     apart = [("tunnel", 140.0, 200.0), ("tunnel", 200.0 + gap_m, 260.0 + gap_m)]
     assert found == (apart if gap_m > 1.0 else joined)
+
+
+@pytest.mark.parametrize("kind", ["entry", "exit", "mwyEntry", "mwyExit", "onRamp", "offRamp"])
+def test_traffic_drives_on_the_lanes_that_lead_onto_a_motorway_and_off_it(kind: str) -> None:
+    road = networks.road("1", 100.0, right=lane(-1) + lane(-2, kind))
+    corridor = build_corridor(read_road(networks.file(road)))
+    assert [strip.kind for strip in corridor.strips] == ["driving", "driving"]
