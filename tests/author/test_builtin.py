@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from oodscen import Describer
 from oodscen._text import folded_words
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.author._knowledge.base import Knowledge
@@ -83,6 +84,11 @@ def test_texts_of_a_path_are_distinct(
         first = ask(author, DescribePath(path=path, count=count)).texts
         more = ask(author, DescribePath(path=path, count=count, avoid=tuple(first))).texts
         assert len({folded_words(text) for text in (*first, *more)}) == 2 * count
+
+
+def test_a_path_has_as_many_texts_in_many_questions_as_in_one(author: BuiltinAuthor) -> None:
+    path = ("x", "Fallen tree across the road")
+    assert len(Describer(author, batch=220).path("tree", path, 660)) == 660
 
 
 def test_a_widened_leaf_tells_of_its_kin_only_if_that_is_as_easily_shown(

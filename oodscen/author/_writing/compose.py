@@ -88,8 +88,9 @@ class Composer:
         """
         scope = scope or every_setting(hazard, self.knowledge)
         turns = _Turns(rng)
-        idle = 0
-        while idle < _IDLE_TRIES:
+        # A later question of a path begins with the drafts of the earlier ones.
+        idle, most_idle = 0, _IDLE_TRIES + len(taken)
+        while idle < most_idle:
             plot = self._plot(hazard, rng, turns, style, scope)
             options = CONSTRUCTIONS[style]
             suits = [option.suits(plot) for option in options]
