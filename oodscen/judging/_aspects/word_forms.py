@@ -24,10 +24,9 @@ _PLURAL_ONLY = frozenset(
 
 def split_words(text: str) -> tuple[list[str], list[int]]:
     """Return a text's words in the table's form, and the number of the clause that holds each word."""
-    text = text.casefold().replace("\u2019", "'").replace("n't", " not").replace("'s", "")
     words: list[str] = []
     clauses: list[int] = []
-    for number, clause in enumerate(re.split(r"[,;.:!?]|\b(?=and\b|but\b)", text)):
+    for number, clause in enumerate(re.split(r"[,;.:!?]|\b(?=and\b|but\b)", _plain(text))):
         for word in re.findall(r"[^\W_]+", clause):
             words.append(_table_forms().get(word, word))
             clauses.append(number)
@@ -40,7 +39,7 @@ def expressions_by_first_word() -> Mapping[str, Sequence[tuple[tuple[str, ...], 
     expressions: dict[str, list[tuple[tuple[str, ...], Concept]]] = {}
     for concept in concepts().values():
         for expression in concept.expressions:
-            text = expression.casefold().replace("'s", "").replace("*", " * ")
+            text = _plain(expression).replace("*", " * ")
             words = tuple(
                 _table_forms().get(word, word) for word in re.findall(r"[^\W_]+|\*", text)
             )
@@ -50,6 +49,11 @@ def expressions_by_first_word() -> Mapping[str, Sequence[tuple[tuple[str, ...], 
     return expressions
 
 
+def _plain(text: str) -> str:
+    """Return a text in lower case, without contractions and possessives."""
+    return text.casefold().replace("\u2019", "'").replace("n't", " not").replace("'s", "")
+
+
 @cache
 def _table_forms() -> Mapping[str, str]:
     """Map every inflected form to the table's word: "stopping" to "stop"."""
@@ -57,7 +61,7 @@ def _table_forms() -> Mapping[str, str]:
         word
         for concept in concepts().values()
         for expression in concept.expressions
-        for word in re.findall(r"[^\W_]+", expression.casefold().replace("'s", ""))
+        for word in re.findall(r"[^\W_]+", _plain(expression))
     }
     forms: dict[str, str] = {}
     for word in sorted(vocabulary, key=lambda word: (len(word), word)):
