@@ -420,6 +420,12 @@ class Metrics(Brief):
             texts: The scenarios; all of them make the last row.
             sizes: Sizes of the draws; sizes above the number of texts are left out.
             repeats: Draws per size, as in the paper; figures are their means.
+
+        Raises:
+            DataError: If there is no text, or one is blank or not a text.
+            UsageError: If the baseline has a single text, or is known by its embeddings alone; or if a size or
+                `repeats` is not a whole number from 1 on.
+            EncoderError: If the encoder fails.
         """
         return paper_table(self, texts, sizes=sizes, repeats=repeats)
 

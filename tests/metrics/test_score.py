@@ -75,3 +75,12 @@ def test_the_table_has_every_definition_of_every_size(tmp_path):
     assert table.rows[-1].tabulated == pytest.approx(report.oodness.mean)
     assert table.rows[-1].pairwise == pytest.approx(report.diversity.pairwise)
     assert "tabulated" in str(table)
+
+
+def test_the_table_needs_two_texts_of_a_baseline_and_not_their_embeddings_alone(tmp_path):
+    one, two = (Metrics(HashEncoder(), ORDINARY[:count]) for count in (1, 2))
+    two.write_embeddings(tmp_path / "two.npy", ORDINARY[:2])
+    for metrics in (one, Metrics(HashEncoder(), tmp_path / "two.npy")):
+        with pytest.raises(UsageError, match="baseline"):
+            metrics.paper_table(["A deer jumps."])
+    assert two.paper_table(["A deer jumps."]).rows[-1].n == 1
