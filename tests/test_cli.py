@@ -79,6 +79,24 @@ main()
     assert (found.returncode, found.stdout, found.stderr) == (130, "", "oodscen: interrupted\n")
 
 
+@pytest.mark.parametrize(("word", "exit_code"), [("--version", 0), ("no-such-command", 2)])
+def test_threads_that_a_plug_in_leaves_do_not_hold_the_command(word, exit_code):
+    code = f"""
+import sys, threading, time
+from oodscen import __main__ as entry
+
+entry._GRACE_S = 0.2
+sys.argv[1:] = [{word!r}]
+threading.Thread(target=time.sleep, args=(600,)).start()
+entry.main()
+"""
+    found = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120
+    )
+    assert found.returncode == exit_code
+    assert found.stderr.endswith("oodscen: threads of plug-ins still ran: 1\n")
+
+
 def test_the_command_and_python_dash_m_have_one_entry():
     scripts = tomllib.loads(PROJECT.read_text())["project"]["scripts"]
     assert scripts == {"oodscen": "oodscen.__main__:main"}
