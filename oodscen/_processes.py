@@ -198,6 +198,28 @@ class Processes(ThreadPoolExecutor):
         self.shutdown(cancel_futures=kind is not None)
 
 
+def run_apart(
+    function: Callable[Parameters, Result],
+    /,
+    *arguments: Parameters.args,
+    **named: Parameters.kwargs,
+) -> Result:
+    """Return what a function gives in a fresh process, which may have pools of its own.
+
+    Raises:
+        BrokenProcessPool: If that process ends itself.
+    """
+    with Processes(1) as pool:
+        return pool.submit(_as_owner, partial(function, *arguments, **named)).result()
+
+
+def _as_owner(task: Callable[[], Result]) -> Result:
+    """Run a task in this worker, which may start workers for it."""
+    global _is_worker
+    _is_worker = False
+    return task()
+
+
 class _Process:
     """One worker interpreter, from its owner's side."""
 

@@ -19,6 +19,7 @@ TABLES: Mapping[str, str] = {
     "scenes": "scenes.jsonl",
     "episodes": "episodes.jsonl",
     "verdicts": "verdicts.jsonl",
+    "drives": "drives.jsonl",
     "calls": "calls.jsonl",
 }
 """File of each table."""
@@ -73,7 +74,6 @@ _FILES = frozenset(
         "episodes.paper.jsonl",
         REAR,
         "opinions.jsonl",
-        "drives.jsonl",
     }
 )
 

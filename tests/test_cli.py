@@ -255,6 +255,18 @@ def test_doctor_judges_an_adapter(tmp_path, monkeypatch):
     assert call("doctor", "pybulet").exit_code == 2
 
 
+def test_doctor_finds_an_adapter_that_ends_its_process(tmp_path, monkeypatch):
+    (tmp_path / "ending_simulator.py").write_text(
+        "import os\n\nfrom oodscen.testing._flat import FlatSimulator\n\n\nclass Ending(FlatSimulator):\n"
+        "    def step(self, control):\n        os._exit(0)\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    result = call("doctor", "ending_simulator:Ending", "--quick", "--json")
+    assert result.exit_code == 1
+    (finding,) = json.loads(result.stdout)
+    assert (finding["is_ok"], finding["detail"]) == (False, "its process died (exit code 0)")
+
+
 @pytest.mark.parametrize("key", ["sk-proj-AbCdEfGhIjKlMnOpQrSt", "kq7ZpWm3xT9bKEYQQ"])
 @pytest.mark.parametrize(
     "order",

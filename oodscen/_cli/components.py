@@ -2,6 +2,8 @@
 
 import json
 import sys
+from concurrent.futures import BrokenExecutor
+from typing import TYPE_CHECKING
 
 import click
 
@@ -9,6 +11,9 @@ from oodscen._cli.groups import CommandGroup
 from oodscen._cli.options import json_option, refuse_idle
 from oodscen._cli.output import say
 from oodscen._cli.progress import bars
+
+if TYPE_CHECKING:
+    from oodscen._doctor import CheckResult
 
 
 @click.command()
@@ -66,7 +71,8 @@ def doctor(
     inspects the knowledge base of the built-in author, or a file of your own. `doctor SIMULATOR` checks an
     adapter with oodscen.testing.check_simulator.
     """
-    from oodscen._doctor import examine, examine_knowledge, examine_llm, examine_simulator
+    from oodscen._doctor import CheckResult, examine, examine_knowledge, examine_llm
+    from oodscen._processes import run_apart
 
     if name is not None and what not in ("llm", "knowledge"):
         raise click.UsageError(f"unexpected argument {name!r}; usage: oodscen doctor SIMULATOR")
@@ -83,13 +89,23 @@ def doctor(
     elif what is None:
         findings = examine()
     else:
-        with bars() as progress:
-            findings = examine_simulator(
-                what, is_quick=quick, states_only=states_only, progress=progress
-            )
+        try:
+            findings = run_apart(_examined, what, quick, states_only)
+        except BrokenExecutor as error:
+            findings = [CheckResult(f"simulator {what}", False, str(error))]
     if as_json:
         say(json.dumps([finding._asdict() for finding in findings], indent=2))
     else:
         for finding in findings:
             say(f"{'ok     ' if finding.is_ok else 'problem'} {finding.what}: {finding.detail}")
     sys.exit(not all(finding.is_ok for finding in findings))
+
+
+def _examined(name: str, is_quick: bool, states_only: bool) -> "list[CheckResult]":
+    """Check a simulator with a progress bar."""
+    from oodscen._doctor import examine_simulator
+
+    with bars() as progress:
+        return examine_simulator(
+            name, is_quick=is_quick, states_only=states_only, progress=progress
+        )

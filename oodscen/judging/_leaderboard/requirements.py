@@ -98,7 +98,8 @@ class RequirementResult(Data):
             return "cannot tell, as it has no answers that count"
         if self.more_scenes is None:
             return "cannot tell yet, and more scenes of this kind would hardly tell"
-        return f"cannot tell yet, {self.more_scenes:,} more scenes"
+        noun = "scene" if self.more_scenes == 1 else "scenes"
+        return f"cannot tell yet, {self.more_scenes:,} more {noun}"
 
 
 def parse_requirement(text: str, figures: Mapping[str, str] = FIGURES) -> tuple[Bar, ...]:
