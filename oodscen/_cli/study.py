@@ -120,7 +120,7 @@ if TYPE_CHECKING:
     "sets",
     multiple=True,
     type=click.IntRange(min=1),
-    help="Size of a text set from the diverse tree; repeatable.  [default: 10, 100, 1000 if built-in]",
+    help="Size of a text set from the diverse tree; repeatable.  [default: 10, 100, 1000 if built-in, without --tree]",
 )
 @style_option
 @click.option(

@@ -104,7 +104,7 @@ class StudyConfig(Choices):
     sets: tuple[int, ...] = paper.SETS
     """Sizes of the text sets from the diverse tree.
 
-    If left out: the paper's if the built-in author writes, none where they would cost calls.
+    If left out: the paper's if the built-in author writes about a tree of its own, none where they would cost calls.
     """
     style: Style = "natural"
     """Register of the texts."""
@@ -166,10 +166,11 @@ class StudyConfig(Choices):
     @model_validator(mode="wrap")
     @classmethod
     def _with_sets(cls, value: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
-        """Give a model that is paid for no text sets of its own accord."""
+        """Give a model that is paid for, and a given tree, no text sets of their own accord."""
         if isinstance(value, Mapping) and value.get("sets") is None:
             value = {name: item for name, item in value.items() if name != "sets"}
-            if not is_builtin(str(value.get("llm", DEFAULT_LLM))):
+            is_own = is_builtin(str(value.get("llm", DEFAULT_LLM))) and not value.get("tree")
+            if not is_own:
                 value["sets"] = ()
         return handler(value)
 
