@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
-from oodscen.author._judgement_wording import hazard_words, joined_labels, lacking_words, small
+from oodscen.author._judgement_wording import hazard_words, joined_labels, lacking_words
 from oodscen.author._knowledge.base import HazardKind, Knowledge
+from oodscen.author._reading.alternatives import small
 from oodscen.author._reading.readings import Alternative, LabelReading, RequiredThing
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._realisation import NO_RECIPE, Realisation, Way, all_missing, realise

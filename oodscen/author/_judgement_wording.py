@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
+from oodscen.author._reading.alternatives import small
 from oodscen.author._realisation import NO_RECIPE, Realisation, all_missing
 from oodscen.data._additions import Addition
 from oodscen.prompts._digest import CatalogueDigest
@@ -63,11 +64,6 @@ def hazard_words(realisations: Iterable[Realisation]) -> str:
         if realisation.hazard is not None
     )
     return " and ".join(labels)
-
-
-def small(label: str) -> str:
-    """Return a label as it stands within a sentence."""
-    return f"{label[0].lower()}{label[1:]}"
 
 
 def joined_labels(labels: Sequence[str]) -> tuple[str, int]:

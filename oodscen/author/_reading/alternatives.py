@@ -51,7 +51,7 @@ class Split:
             text = f"{', '.join(before)} or {last}" if before else last
             return _capital(f"{text}{tail}")
         first, *others = (share.readings[0] for share in shares)
-        return _capital(" or ".join([first, *map(_small, others)]))
+        return _capital(" or ".join([first, *map(small, others)]))
 
 
 def alternatives(label: str) -> Split:
@@ -166,8 +166,8 @@ def _words(text: str) -> list[str]:
     return re.findall(r"[^\W_]+(?:[-'\u2019][^\W_]+)*", text)
 
 
-def _small(text: str) -> str:
-    """Lower-case the first letter unless the word is an abbreviation."""
+def small(text: str) -> str:
+    """Return a label as it stands within a sentence; abbreviations keep their capitals."""
     return text if text[1:2].isupper() else f"{text[:1].lower()}{text[1:]}"
 
 

@@ -153,6 +153,11 @@ def test_a_catalogue_without_animals_says_so(judge, carla: CatalogueDigest, labe
     assert judged.missing[0].category == "animal"
 
 
+@pytest.mark.parametrize("label", ["UFO or fallen tree on the road", "Fallen tree or UFO"])
+def test_an_abbreviation_keeps_its_capitals_in_a_reason(judge, label: str) -> None:
+    assert "Not UFO" in judge(label).reasoning
+
+
 def test_a_word_for_a_category_is_shown_by_any_of_its_members(judge) -> None:
     judged = judge("Animals on the road")
     assert judged.simulatable
