@@ -132,13 +132,15 @@ def export(
     parts = [scenes[first : first + _PART] for first in range(0, len(scenes), _PART)]
     writers = [_Writer(part, catalogue, facts.of(part), out, options) for part in parts]
     count, faults = 0, list[str]()
-    for written, failed in tracked(_results(writers, workers), "export", len(writers)):
-        count += written
-        faults += failed
-    list_written(out)
+    try:
+        for written, failed in tracked(_results(writers, workers), "export", len(writers)):
+            count += written
+            faults += failed
+    finally:
+        list_written(out)
     for fault in faults:
         say(fault, err=True)
-    say(f"{count} files in {out}, {len(faults)} failed", err=True)
+    say(f"{count} written into {out}, {len(faults)} failed", err=True)
     sys.exit(bool(faults))
 
 
@@ -164,7 +166,7 @@ class _Writer:
     options: ExportOptions
 
     def run(self) -> tuple[int, list[str]]:
-        """Return the number of files, and the faults of scenes that cannot be written."""
+        """Return the number of drives written, and the faults of those that cannot be."""
         from oodscen import make_simulator
 
         count, faults = 0, list[str]()

@@ -11,6 +11,7 @@ from click.testing import CliRunner
 
 from oodscen import Study, make_catalogue, make_simulator
 from oodscen._cli import main
+from oodscen._cli.export import _Writer
 from oodscen._cli.export_folder import LIST
 from oodscen._members import using
 from oodscen.data._pairing import kind_of
@@ -76,7 +77,7 @@ def test_a_scene_without_a_lane_for_the_action_is_reported_and_not_written(form,
     assert done.exit_code == 1
     *_, told, summary = done.stderr.splitlines()
     assert told == f"{without.id}: the ego has no lane for its action change_lane_right"
-    assert summary.endswith("1 failed")
+    assert summary == f"1 written into {out}, 1 failed"
     assert {path.stem for path in out.glob("*.[xo]*s*")} == {having.id}
 
 
@@ -102,6 +103,24 @@ def test_processes_write_the_same_files(tmp_path, monkeypatch):
         written.append({path.name: path.read_bytes() for path in out.iterdir()})
     assert written[0] == written[1]
     assert set(written[0]) >= {f"{scene.id}.xosc" for scene in SCENES[:2]}
+
+
+def test_a_stopped_export_lists_only_what_it_wrote(tmp_path, monkeypatch):
+    scenes, out = tmp_path / "scenes.jsonl", tmp_path / "out"
+    scenes.write_text("".join(f"{scene.to_json()}\n" for scene in SCENES[:2]))
+    write = _Writer._write
+
+    def stopping(writer, drive, simulator):
+        if drive.id == SCENES[1].id:
+            raise KeyboardInterrupt
+        write(writer, drive, simulator)
+
+    monkeypatch.setattr(_Writer, "_write", stopping)
+    words = ("--simulator", "pybullet", "--no-twins", "--to", "openlabel")
+    assert run("export", scenes, "-o", out, *words).exit_code != 0
+    assert {LIST, *(out / LIST).read_text().splitlines()[1:]} == {
+        path.name for path in out.iterdir()
+    }
 
 
 @pytest.mark.parametrize("form", ["openscenario", "openlabel", "osi"])
