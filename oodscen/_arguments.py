@@ -42,8 +42,7 @@ def instance_of(name: str, value: Any, *kinds: type) -> None:
         UsageError: If it is not; the message names the argument and the types.
     """
     if not isinstance(value, kinds):
-        wanted = " or ".join(dict.fromkeys(kind.__name__ for kind in kinds))
-        raise UsageError(f"{name} must be a {wanted}, not {said(value, 80)}")
+        raise UsageError(f"{name} must be {_any_of(kinds)}, not {said(value, 80)}")
 
 
 def instances_of(name: str, values: Any, *kinds: type) -> None:
@@ -172,14 +171,9 @@ def _is_many(value: Any, kind: type) -> bool:
 
 def _component(kind: Any) -> str:
     """Return the kind of component that an annotation asks for, or nothing."""
-    alternatives = [
-        alternative for alternative in _alternatives(kind) if alternative is not NoneType
-    ]
-    return (
-        _COMPONENTS.get(getattr(alternatives[0], "__qualname__", ""), "")
-        if len(alternatives) == 1
-        else ""
-    )
+    alternatives = [part for part in _alternatives(kind) if part is not NoneType]
+    name = getattr(alternatives[0], "__qualname__", "") if len(alternatives) == 1 else ""
+    return _COMPONENTS.get(name, "")
 
 
 def _misfit(value: Any, kind: Any) -> tuple[Any, Any] | None:
@@ -209,8 +203,11 @@ def _refusal(name: str, value: Any, kind: Any) -> UsageError:
         is_filled = isinstance(value, Mapping) or _is_many(value, Collection)
         if is_listed and is_filled and (found := _misfit(value, part)):
             return _refusal(f"{name}: every element", *found)
-    wanted = " or ".join(dict.fromkeys(map(_worded, _alternatives(kind))))
-    return UsageError(f"{name} must be {wanted}, not {said(value, 80)}")
+    return UsageError(f"{name} must be {_any_of(_alternatives(kind))}, not {said(value, 80)}")
+
+
+def _any_of(kinds: Iterable[Any]) -> str:
+    return " or ".join(dict.fromkeys(map(_worded, kinds)))
 
 
 def _worded(kind: Any) -> str:

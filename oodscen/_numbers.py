@@ -60,8 +60,10 @@ def finite_number(name: str, value: Any, least: float = -math.inf, most: float =
 
 
 def said(value: Any, most: int = 40) -> str:
-    """Return a value as text, short enough for a message; Python refuses to print some huge integers."""
+    """Return a value as text, short enough for a message, or else its type: lists may be nested too deeply to print."""
     try:
         return f"{value!r:.{most}}"
-    except ValueError:
-        return "a number of thousands of digits"
+    except Exception:
+        if isinstance(value, Integral):  # Python refuses to print huge ones.
+            return "a number of thousands of digits"
+        return f"a value of type {type(value).__name__}"

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext, suppress
+from functools import reduce
 from importlib.util import find_spec
 from pathlib import Path
 from types import SimpleNamespace, UnionType
@@ -32,7 +33,7 @@ from oodscen import (
     run_study,
     simulate,
 )
-from oodscen._arguments import checked
+from oodscen._arguments import checked, instance_of
 from oodscen.baselines import load_controls
 from oodscen.data import Behaviour, Ego, Hazard, Placement, Trigger, WeatherRange
 from oodscen.driving import Corridor, StagedScene
@@ -333,7 +334,19 @@ OTHERS = {
     "the state of another scene": lambda: SCENE.birds_eye(ALONE, FLAT),
     "an annotated state of another scene": lambda: SCENE.annotate(FRAME, ALONE, FLAT),
     "an observed state of another scene": lambda: StagedScene(SCENE, FLAT).observation(ALONE),
+    "lists in lists in lists": lambda: read_action(
+        reduce(lambda inner, _: [inner], range(9_999), [])
+    ),
+    "a thing that cannot be shown": lambda: read_action(Unshown()),
+    "a list of things that cannot be shown": lambda: drive([SCENE], RuleBasedDriver, [Unshown()]),
 }
+
+
+class Unshown:
+    def __repr__(self) -> str:
+        raise RuntimeError("no words")
+
+
 FLAT_SIMULATOR = FlatSimulator()
 ALONE = FLAT_SIMULATOR.reset(SCENE.model_copy(update={"actors": (), "hazard": Hazard()}), 0)
 FRAME = FLAT_SIMULATOR.render(Camera(width=16, height=12))
@@ -343,6 +356,20 @@ FRAME = FLAT_SIMULATOR.render(Camera(width=16, height=12))
 def test_another_kind_of_thing_is_a_usage_error(what) -> None:
     with pytest.raises(UsageError):
         OTHERS[what]()
+
+
+@pytest.mark.parametrize(
+    ("kinds", "words"),
+    [
+        ((int,), "an int"),
+        ((str, Path), "text or a path"),
+        ((bool,), "True or False"),
+        ((Ego, Behaviour), "an Ego or a Behaviour"),
+    ],
+)
+def test_a_refusal_names_the_kinds_in_words(kinds, words) -> None:
+    with pytest.raises(UsageError, match=f"^x must be {words}, not None$"):
+        instance_of("x", None, *kinds)
 
 
 @given(
