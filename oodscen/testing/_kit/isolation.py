@@ -4,13 +4,13 @@ import gc
 import hashlib
 import importlib
 import os
-import pickle
 import sys
 import threading
 import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import BrokenExecutor
 from contextlib import contextmanager
+from operator import attrgetter
 from typing import NamedTuple
 
 from oodscen._processes import Processes, children, is_importable
@@ -190,14 +190,12 @@ def _check_close(probe: Probe) -> None:
 
 
 def resident_bytes() -> int:
-    """Return this process's resident memory in bytes, or its peak if the system does not report it."""
+    """Return this process's resident memory in bytes; 0 if the system does not report it."""
     try:
         with open("/proc/self/statm", "rb") as file:
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
     except OSError:
-        import resource
-
-        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+        return 0
 
 
 def open_files() -> int:
@@ -221,9 +219,7 @@ def _can_be_sent(source: Factory | str) -> bool:
         return is_importable(source)
     try:
         module = importlib.import_module(source.__module__)
-        pickle.dumps(source)
-    except (ImportError, AttributeError, pickle.PicklingError, TypeError):
+        found = attrgetter(source.__qualname__)(module)
+    except (ImportError, AttributeError):
         return False
-    if module.__name__ == "__main__":
-        return False
-    return getattr(module, getattr(source, "__qualname__", ""), None) is source
+    return bool(found == source) and module.__name__ != "__main__"
