@@ -1,7 +1,7 @@
 """The traffic lights and signs of a map's file."""
 
 from collections.abc import Sequence
-from functools import lru_cache
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,12 +16,14 @@ from oodscen_pybullet._types import Heading
 
 _REPLACED_M = 4.0
 """A scene's own signal replaces the map's signals within this distance, m."""
+_CLEARANCE_M = 4.0
+"""Height of its lower edge from which a signal above a carriageway hangs there, m."""
 _ALONG = 0.7
 """Cosine between a light and the ego's road above which the light applies to the road."""
 _FAULTY_STATES = frozenset({"off", "flashing", "all_on"})
 """Faults that are states of a traffic light."""
-_LEAN = ((0.96, -0.168, 0.224), (0.0, 0.8, 0.6), (-0.28, -0.576, 0.768))
-"""Turn of a bent post: by 37 degrees about its x axis, then by 16 about y."""
+_LEAN = np.array([(0.96, -0.168, 0.224), (0.0, 0.8, 0.6), (-0.28, -0.576, 0.768)])
+"""Turn of a bent post, to its right and a little back: by 37 degrees about its x axis, then by 16 about y."""
 _SIGNS = {
     "206": "stop_sign",
     "205": "yield_sign",
@@ -46,14 +48,17 @@ def stand_signals(site: Site, omitted: frozenset[str], *, is_dark_phase: bool) -
     """
     lamps: list[Lamp] = []
     for signal in site.ground.corridor.signals:
-        if signal.id in omitted:
-            continue
-        mesh = _mesh_of(site, signal, is_dark_phase=is_dark_phase)
         fault = _fault_of(site, signal)
-        if mesh is None or fault == "missing":
+        if signal.id in omitted or fault == "missing":
             continue
+        mesh = _mesh_of(site, signal, fault, is_dark_phase=is_dark_phase)
+        if mesh is None:
+            continue
+        z = site.terrain.surface(signal.x, signal.y)
+        if _hangs(site, signal):
+            mesh, z = _without_posts(mesh), z + signal.height
         mesh, heading = displace(mesh, (-cos(signal.yaw), -sin(signal.yaw)), fault)
-        at = (signal.x, signal.y, site.terrain.surface(signal.x, signal.y))
+        at = (signal.x, signal.y, z)
         site.add(mesh, at, heading)
         lamps += [lamp.placed(at, heading) for lamp in mesh.lamps]
     return lamps
@@ -66,24 +71,35 @@ def _fault_of(site: Site, signal: RoadSignal) -> str | None:
     return site.state.signals if signal.kind == "traffic_light" else site.state.signs
 
 
+def _hangs(site: Site, signal: RoadSignal) -> bool:
+    """Return whether a signal is above a carriageway, so high that vehicles pass below it."""
+    if signal.height < _CLEARANCE_M:
+        return False
+    return bool(site.ground.near(np.array([signal.x]), np.array([signal.y])).asphalt[0] < 0.0)
+
+
+def _without_posts(mesh: Mesh) -> Mesh:
+    """Return a signal without its posts, whose lower edge is its origin."""
+    is_kept = mesh.classes != Tag.POLES
+    triangles = mesh.triangles[is_kept]
+    edge = float(mesh.vertices[triangles, 2].min())
+    head = replace(mesh, triangles=triangles, tags=mesh.classes[is_kept])
+    return head.moved(np.eye(3), about=(0.0, 0.0, edge))
+
+
 def displace(mesh: Mesh, heading: Heading, fault: str | None) -> tuple[Mesh, Heading]:
     """Return a signal's mesh and heading: leaning if it is bent, a quarter turned if it is turned away."""
     c, s = heading
     if fault == "turned":
         return mesh, (-s, c)
-    return (_leaning(mesh) if fault == "bent" else mesh), heading
+    return (mesh.moved(_LEAN) if fault == "bent" else mesh), heading
 
 
-@lru_cache(maxsize=32)
-def _leaning(mesh: Mesh) -> Mesh:
-    """Return a mesh that leans to its right and a little back, as after a knock."""
-    return mesh.moved(np.array(_LEAN))
-
-
-def _mesh_of(site: Site, signal: RoadSignal, *, is_dark_phase: bool) -> Mesh | None:
+def _mesh_of(
+    site: Site, signal: RoadSignal, fault: str | None, *, is_dark_phase: bool
+) -> Mesh | None:
     """Return what shows a signal, `None` if no asset does."""
     if signal.kind == "traffic_light":
-        fault = _fault_of(site, signal)
         state = fault if fault in _FAULTY_STATES else _state_of(site, signal)
         light = asset_mesh("traffic_light", state, frame=int(is_dark_phase))
         return on_posts(light, Tag.TRAFFIC_LIGHT)

@@ -1,6 +1,7 @@
 """Signals of a map, and their faults."""
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -59,3 +60,22 @@ def test_faulty_lights_shine_as_their_fault_says() -> None:
 def test_missing_lights_have_no_posts_either() -> None:
     counts = [len(built(fault).meshes[2].triangles) for fault in ("off", "missing")]
     assert counts[0] > counts[1]
+
+
+@pytest.mark.parametrize("fault", ["", "bent", "turned"])
+@pytest.mark.parametrize(
+    "more", [{}, {"kind": "sign", "type": "206"}, {"kind": "sign", "type": "274", "value": "50"}]
+)
+def test_a_signal_over_a_lane_hangs_at_its_height(more, fault: str) -> None:
+    corridor = load_corridor(JUNCTION)
+    s = corridor.start + 40.0
+    x, y, z, *_ = corridor.point(s, 0.0)
+    over = replace(corridor.signals[0], x=x, y=y, z=z, s=s, t=0.0, height=5.0, **more)
+    state = MapState.model_validate({"signs" if more else "signals": fault}) if fault else None
+    scenery = build_scenery(replace(corridor, signals=(over,)), JUNCTION, 0, state=state)
+    corners = scenery.meshes[2].vertices
+    is_near = np.hypot(corners[:, 0] - x, corners[:, 1] - y) < 1.5
+    lifts = corners[is_near, 2] - z
+    assert lifts.min() == pytest.approx(5.0, abs=0.3)
+    assert lifts.max() < 7.0
+    assert all(lamp.position[2] > z + 5.0 for lamp in scenery.lamps if not lamp.is_street)
