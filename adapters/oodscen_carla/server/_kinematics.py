@@ -57,7 +57,7 @@ class Surface(NamedTuple):
 
 
 def move(actor: ServerActor, surface: Surface, dt: float) -> None:
-    """Move an actor by one tick of `dt`, s; what is attached to another moves with that."""
+    """Move an actor by one tick of `dt`, s, within the world's limits; what is attached to another moves with that."""
     if actor.parent:
         return
     if actor.constant_velocity is not None:
@@ -74,6 +74,8 @@ def move(actor: ServerActor, surface: Surface, dt: float) -> None:
         _turn(actor, dt)
     else:
         return
+    x, y, z = (max(-FARTHEST, min(FARTHEST, value)) for value in actor.place.location)
+    actor.place = Transform((x, y, z), actor.place.rotation)
     if actor.is_vehicle or actor.is_walker:
         _stand(actor, surface.map)
 
@@ -91,9 +93,8 @@ def _walk(actor: ServerActor, walk: WalkerControl, dt: float) -> None:
 
 
 def _shift(actor: ServerActor, dt: float) -> None:
-    """Move an actor by its velocity, within the world's limits."""
+    """Move an actor by its velocity."""
     x, y, z = (a + b * dt for a, b in zip(actor.place.location, actor.velocity, strict=True))
-    x, y, z = (max(-FARTHEST, min(FARTHEST, value)) for value in (x, y, z))
     actor.place = Transform((x, y, z), actor.place.rotation)
 
 

@@ -135,3 +135,16 @@ def test_a_walkers_speed_is_that_of_its_way_along_its_heading(served, direction,
     along = (x - 50.0) * math.cos(turn) + (y - 1.7) * math.sin(turn)
     assert actor.speed == pytest.approx(along / served.world.step, abs=1e-6)
     assert actor.velocity[2] == 0.0
+
+
+@pytest.mark.parametrize("blueprint", [CAR, WALKER])
+def test_nothing_leaves_the_world_and_its_place_can_be_sent_back(served, blueprint):
+    body = served.spawn(blueprint, 999_999.0, 1.7)
+    served.get("set_actor_target_velocity", body, [1e6, 0.0, 0.0])
+    if blueprint == CAR:
+        served.get("apply_control_to_vehicle", body, control())
+    for _ in range(3):
+        served.get("tick_cue")
+    location = served.world.actors[body].place.location
+    assert location[0] == 1e6
+    served.get("set_actor_location", body, list(location))
