@@ -269,6 +269,8 @@ class _ClaimReader:
         may_be_unowned = pattern.kind == "distance" or pattern.value in ("ahead", "in_lane")
         if not may_be_unowned and not is_from_side:
             return
+        if self._structure.is_about_absent(start):
+            return
         clauses = self._structure.clauses
         index = self._structure.clause_at(start)
         clause = clauses[index]

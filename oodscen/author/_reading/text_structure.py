@@ -14,6 +14,8 @@ _INVERTED = re.compile(
 """A verb and the words before the subject that follows it: `stands a large`."""
 _UP_TO_ADJECTIVE = re.compile(r" (?:(?!(?:an?|the|its)\b)[\w-]+ )?", re.IGNORECASE)
 """A blank and an adjective at most."""
+_GOES_ON = re.compile(r"(?<=, )(?!(?:and|but) )")
+"""The start of words between commas."""
 _DETERMINERS = frozenset("a an the its his her their two three some several no another".split())
 _APPOSED = 24
 """Largest distance between a noun and a relative clause about it, in characters."""
@@ -86,6 +88,8 @@ class TextStructure:
                 rest = [noun for noun in before if noun.start > head.start]
                 return rest[-1].subject if rest else None
             return head.subject
+        if self.is_about_absent(start):
+            return None
         if not is_verb:
             after = [noun for noun in clause.nouns if noun.start >= end and not noun.is_oblique]
             if after and not before:
@@ -101,6 +105,20 @@ class TextStructure:
         if earlier is not None:
             return earlier.subject
         return before[0].subject if before and is_verb else None
+
+    def is_about_absent(self, position: int) -> bool:
+        """Return whether the words at a position are about what the text denies.
+
+        Words between commas, without a subject of their own, are about that of the words before.
+        """
+        clause, end = self.clauses[self.clause_at(position)], position
+        while not phrases.context("absent").search(self.text[clause.start : end]):
+            has_head = any(noun.start < end and not noun.is_oblique for noun in clause.nouns)
+            if has_head or not _GOES_ON.match(self.text, clause.start):
+                return False
+            end = clause.start
+            clause = self.clauses[self.clause_at(end - 1)]
+        return True
 
     def _referent(self, noun: Noun) -> Noun:
         """Return the referent of a pronoun: the last thing that its sentence named."""

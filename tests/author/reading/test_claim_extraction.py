@@ -329,6 +329,44 @@ def test_what_is_denied_of_a_thing_is_not_claimed(text, unsaid):
     assert not [claim for claim in told(text) if unsaid in claim]
 
 
+@pytest.mark.parametrize(
+    "denied",
+    [
+        "no car stands in the ego's lane",
+        "no car is in the ego's lane",
+        "no car stands ahead, in the ego's lane",
+        "no cones stand in the ego's lane",
+        "no wombat stands in the ego's lane",
+        "nothing lies in the ego's lane",
+        "nobody stands 30 metres ahead in the ego's lane",
+        "neither a box nor a tyre lies ahead in the ego's lane",
+        "not a soul is in the ego's lane",
+    ],
+)
+@pytest.mark.parametrize(
+    "text", ["{}, and {}.", "{}; {}.", "{}. {}.", "{}, but {}.", "It is so: {}, and {}."]
+)
+def test_the_place_of_what_is_absent_is_claimed_of_nothing_else(text, denied):
+    deer = "a deer stands beside the road"
+    for words in (text.format(denied, deer), text.format(deer, denied)):
+        places = {words for words in told(words) if " place " in words or " distance " in words}
+        assert places == {"deer place clear_of_lane"}
+        assert not {claim for claim in told(words) if claim.startswith("something")}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "With no warning, a deer stands in the ego's lane.",
+        "No lights are on: a car stands in the ego's lane.",
+        "A tree has fallen 45 metres ahead, leaving no way past on the ego's side.",
+        "Nothing but a deer stands in the ego's lane.",
+    ],
+)
+def test_what_is_there_keeps_its_place_when_something_else_is_absent(text):
+    assert [words for words in told(text) if words.endswith("place in_lane")]
+
+
 WORDS = (
     "a the its of in on to and or nor no not ego it which two one hundred thousand lane road ahead metres m night"
     " rain fog stands crosses parked slow oncoming driver somebody vehicle sheep box traffic light , . ; - 0 000 007"
