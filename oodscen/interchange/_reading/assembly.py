@@ -10,7 +10,7 @@ from oodscen.driving._roads.building import load_corridor, read_map
 from oodscen.driving._roads.opendrive import read_network
 from oodscen.errors import Issue
 from oodscen.interchange._reading.actions import ActionReader
-from oodscen.interchange._reading.assets import nearest_asset
+from oodscen.interchange._reading.assets import nearest_asset, state_of
 from oodscen.interchange._reading.behaviours import behaviour
 from oodscen.interchange._reading.ego import ego_of, likely_ego, no_entity
 from oodscen.interchange._reading.ego_road import (
@@ -174,7 +174,13 @@ def _read_actor(
         placement = ego_road.placement(place._replace(heading=heading))
     if does.name == "wrong_way":
         placement = placement.model_copy(update={"heading_deg": 0.0})
-    return Actor(id=entities.ids[name], asset=asset.id, placement=placement, behaviour=does)
+    return Actor(
+        id=entities.ids[name],
+        asset=asset.id,
+        placement=placement,
+        behaviour=does,
+        state=state_of(entity, asset),
+    )
 
 
 def _with_present_triggers(tree: OpenScenarioFile, actors: Sequence[Actor]) -> list[Actor]:

@@ -5,6 +5,7 @@ import re
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.interchange._reading.tree import Element
 from oodscen.interchange._writing.entities import classified
+from oodscen.interchange._writing.properties import PREFIX
 
 _BODIES = ("Vehicle", "Pedestrian", "MiscObject")
 _TYPICAL = {
@@ -50,6 +51,19 @@ def nearest_asset(entity: Element, catalogue: Catalogue) -> Asset | None:
         return not has_its_word, not is_typical, round(difference_m, 1)
 
     return min(candidates, key=unlikeness)
+
+
+def state_of(entity: Element, asset: Asset) -> str:
+    """Return the state that a property of an export gives a scenario object; empty is the asset's first."""
+    bodies = (child for child in entity.children() if child.name in _BODIES)
+    for holder in next(bodies).all("Properties", "Property"):
+        if holder.element.get("name") == f"{PREFIX}state":
+            holder.settle()
+            state = holder.get("value")
+            if state in asset.states:
+                return "" if state == asset.states[0] else state
+            holder.note(f"{asset.id} has no state {state[:40]!r}")
+    return ""
 
 
 def _category(body: Element) -> str:

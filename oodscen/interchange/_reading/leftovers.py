@@ -10,17 +10,16 @@ from oodscen.errors import Issue
 from oodscen.interchange._reading.tree import OpenScenarioFile, where
 
 _SILENT = {
-    "FileHeader",
+    "License",
     "CatalogLocations",
     "ParameterDeclarations",
-    "Properties",
     "BoundingBox",
     "Performance",
     "Axles",
 }
 """Elements that say nothing of a scene, or only what its assets say."""
-_BODIES = {"Vehicle", "Pedestrian", "MiscObject"}
-"""Elements for whose attributes an asset stands."""
+_PLAIN = {"FileHeader", "Vehicle", "Pedestrian", "MiscObject"}
+"""Elements whose attributes say nothing of a scene, or only what its assets say."""
 _OFF_GROUND = {"z", "p", "r", "dz"}
 """Attributes by which a body leaves the road's surface unless they are zero."""
 _USUAL = {
@@ -95,9 +94,9 @@ def _unread_attributes(tree: OpenScenarioFile, element: etree._Element) -> dict[
 
 def _is_left(tree: OpenScenarioFile, element: etree._Element, attribute: str, value: str) -> bool:
     """Return whether an attribute means something that was not read."""
-    if attribute == "name" or attribute.startswith("{") or name_of(element) in _BODIES:
+    if attribute.startswith("{") or (element, attribute) in tree.attributes:
         return False
-    if (element, attribute) in tree.attributes:
+    if name_of(element) in _PLAIN or (attribute == "name" and name_of(element) != "Property"):
         return False
     if attribute in _OFF_GROUND:
         return not _is_zero(value)

@@ -178,6 +178,65 @@ def test_a_changed_export_is_read_by_its_elements(tmp_path):
     assert any("changed" in issue.message for issue in found.omissions)
 
 
+@pytest.mark.parametrize("target", ["generic", "esmini"])
+def test_a_changed_export_keeps_the_states_of_its_entities(target, tmp_path):
+    scenes = [one for one in SCENES if any(actor.state for actor in one.actors)]
+    assert scenes
+    for scene in scenes:
+        path = to_openscenario(scene, catalogue(), target=target).save(tmp_path)
+        path.write_text(
+            path.read_text().replace('TimeOfDay animation="false"', 'TimeOfDay animation="true"')
+        )
+        found = read_openscenario(path, catalogue())
+        first = {asset.id: asset.states[0] for asset in catalogue().assets if asset.states}
+        states = [actor.state or first.get(actor.asset, "") for actor in found.scene.actors]
+        assert states == [actor.state or first.get(actor.asset, "") for actor in scene.actors]
+        assert all("oodscen" not in issue.message for issue in found.omissions)
+        assert any("not by the header's properties" in one.message for one in found.omissions)
+
+
+def test_a_state_that_an_asset_has_not_is_noted(foreign):
+    state = '<Properties><Property name="oodscen.state" value="STATE"/></Properties>'
+    body = f'<Vehicle name="car" vehicleCategory="car">{state}</Vehicle>'
+    states = catalogue().by_name["car"].states
+    assert len(states) > 1
+    for known in states:
+        found = foreign(ENTITY=body.replace("STATE", known))
+        assert found.scene.actors[0].state == ("" if known == states[0] else known)
+        assert not [one for one in found.omissions if "Propert" in one.path]
+    found = foreign(ENTITY=body.replace("STATE", "odd"))
+    assert found.scene.actors[0].state == ""
+    assert any("car has no state 'odd'" in issue.message for issue in found.omissions)
+
+
+@pytest.mark.parametrize(
+    "part", ['<Property name="lights" value="off"/>', '<File filepath="x.glb"/>']
+)
+def test_properties_of_others_are_noted(part, foreign):
+    properties = f"<Properties>{part}</Properties>"
+    box = '<BoundingBox><Center x="1.4" y="0" z="0.7"/></BoundingBox>'
+    texts = [
+        FOREIGN.replace(f"{start}/>", f"{start}>{box}{properties}</{start.split()[0][1:]}>")
+        for start in (
+            '<Vehicle name="a" vehicleCategory="car"',
+            '<FileHeader revMajor="1" revMinor="0" date="2020-01-01T00:00:00" author="x" description="x"',
+        )
+    ]
+    texts.append(
+        FOREIGN.replace(
+            "ENTITY", f'<Vehicle name="b" vehicleCategory="car">{box}{properties}</Vehicle>'
+        )
+    )
+    for text in texts:
+        issues = [
+            one
+            for one in foreign(text).omissions
+            if one.path.split(": ")[-1] in ("Properties", "Property", "File")
+        ]
+        assert len(issues) == 1
+        assert issues[0].message.endswith("is not read")
+
+
 def test_a_changed_scene_in_the_header_is_not_taken(tmp_path):
     scene = SCENES[0]
     path = to_openscenario(scene, catalogue()).save(tmp_path)
