@@ -58,9 +58,9 @@ def props(
         refuse_idle("without --out, the file of the sheet", "captions")
     elif where is not None:
         _refuse_design_file(out, where)
-    designs = Designs([], []) if where is None else read_props(where)
     with using(make_simulator(simulator)) as adapter:
         catalogue = adapter.catalogue()
+        designs = Designs([], []) if where is None else read_props(where, catalogue.assets)
         count = _detail_count(catalogue) if details else len(designs.props)
         if details and not count:
             raise UsageError(f"{simulator} draws no poses and no states of parts")

@@ -1,6 +1,6 @@
 """Reading designs from files, folders and studies."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -8,7 +8,8 @@ from oodscen._files import read_utf8
 from oodscen._json import object_lines
 from oodscen._study_files import ASSETS, TABLES
 from oodscen._toml import parse_toml
-from oodscen.data._prop import Prop
+from oodscen.data._catalogue import Asset
+from oodscen.data._prop import Prop, check_prop
 from oodscen.errors import DataError, Issue, UsageError
 from oodscen.stages._making.making import MadeProp
 
@@ -43,37 +44,49 @@ class _Entry(NamedTuple):
         return self.kind.parse(self.value, source=self.source)
 
 
-def read_props(path: Path) -> Designs:
+def read_props(path: Path, assets: Sequence[Asset] | None = None) -> Designs:
     """Return the designs in a JSON, JSON Lines or TOML file, in a folder of them, or in a study.
 
     A TOML file holds one table per design, named by its id. A line may hold a design or, as in a study's
     `assets.jsonl`, have it as its member `prop`, which is `null` if the thing could not be made; or a scene, with the
-    designs that it carries. Of designs with the same id the first counts.
+    designs that it carries. A design that is given twice counts once.
+
+    Args:
+        path: The file, folder or study.
+        assets: The assets of the simulator that is to show the designs; without them, each is checked alone.
 
     Raises:
-        DataError: When a file cannot be read, or holds no valid design; it lists the faults of all designs.
+        DataError: When a file cannot be read, holds no valid design, or two designs of one id differ; it lists the
+            faults of all designs.
     """
-    found: dict[str, Prop] = {}
+    found: dict[str, tuple[Prop, str]] = {}
     unmade: dict[str, None] = {}
     issues: list[Issue] = []
     for entry in _entries(path):
+        place = entry.source.removeprefix(str(path)).lstrip("/, ")
         try:
             one = entry.parse()
         except DataError as error:
-            place = entry.source.removeprefix(str(path)).lstrip("/, ")
             issues += [_placed(place, issue) for issue in error.issues]
             continue
         if isinstance(one, MadeProp):
             unmade[one.id] = None
-        else:
-            found.setdefault(one.id, one)
+            continue
+        first, its_place = found.setdefault(one.id, (one, place))
+        if first is not one and first == one:
+            continue
+        if first is not one:
+            fault = f"{its_place or path.name} holds another design with the id {one.id!r}"
+            issues.append(_placed(place, Issue("id", fault)))
+        if assets is not None:
+            issues += [_placed(place, issue) for issue in check_prop(one, assets)]
     left = [name for name in unmade if name not in found]
     if not found and not issues:
         told = f"; could not be made: {', '.join(left)}" if left else ""
         raise UsageError(f"{path} holds no design of a thing made to order{told}")
     if issues:
         raise DataError(Prop.noun, issues, source=str(path))
-    return Designs(list(found.values()), left)
+    return Designs([prop for prop, _ in found.values()], left)
 
 
 def _placed(place: str, issue: Issue) -> Issue:

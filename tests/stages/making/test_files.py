@@ -1,15 +1,18 @@
 """Designs are read from whatever holds them; none is dropped in silence, and every fault is told at once."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from oodscen.data._catalogue import Asset
 from oodscen.data._prop import Prop
 from oodscen.errors import DataError, UsageError
 from oodscen.stages._making.files import read_props
 from oodscen.testing import example_scene
+from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 from tests.made import WALL
 
 OTHER: dict[str, Any] = {**WALL, "id": "other_wall"}
@@ -23,9 +26,9 @@ def ids_in(path: Path) -> list[str]:
     return [prop.id for prop in read_props(path).props]
 
 
-def faults_in(path: Path) -> list[str]:
+def faults_in(path: Path, assets: Sequence[Asset] | None = None) -> list[str]:
     with pytest.raises(DataError) as caught:
-        read_props(path)
+        read_props(path, assets)
     return [str(issue) for issue in caught.value.issues]
 
 
@@ -104,9 +107,30 @@ def test_scenes_give_what_they_carry_and_scenes_without_designs_give_none(lines,
         read_props(lines(scene, name=name))
 
 
-def test_of_designs_with_the_same_id_the_first_counts(lines):
-    path = lines(WALL, {**WALL, "mass_kg": 55})
-    assert read_props(path).props == [Prop.parse(WALL)]
+def test_a_design_that_is_given_twice_counts_once_and_another_of_its_id_is_refused(lines, tmp_path):
+    other = {**WALL, "mass_kg": 55}
+    assert read_props(lines(WALL, OTHER, WALL)).props == [Prop.parse(WALL), Prop.parse(OTHER)]
+    for first, second in ((WALL, other), (other, WALL)):
+        (fault,) = faults_in(lines(first, OTHER, second))
+        assert fault == "line 3: id: line 1 holds another design with the id 'low_wall'"
+    lines(WALL)
+    (tmp_path / "b.json").write_text(json.dumps(other))
+    (fault,) = faults_in(tmp_path)
+    assert fault == "b.json: id: a.jsonl, line 1 holds another design with the id 'low_wall'"
+
+
+def test_what_a_catalogue_refuses_is_told_with_all_other_faults(lines, tmp_path):
+    taken = {**WALL, "id": "car"}
+    unknown = {**OTHER, "parts": [{"asset": "nothing"}]}
+    path = lines(taken, WALL, {**WALL, "mass_kg": -1}, unknown)
+    (tmp_path / "b.json").write_text(json.dumps({**unknown, "id": "third"}))
+    assert [fault.rpartition(": ")[0] for fault in faults_in(tmp_path, FLAT_CATALOGUE.assets)] == [
+        "a.jsonl, line 1: id",
+        "a.jsonl, line 3: mass_kg",
+        "a.jsonl, line 4: parts[0].asset",
+        "b.json: parts[0].asset",
+    ]
+    assert [fault.split(":")[0] for fault in faults_in(path)] == ["line 3"]
 
 
 def test_things_without_a_design_are_named_once_and_not_if_another_line_has_one(lines):
