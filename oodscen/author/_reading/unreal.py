@@ -26,6 +26,11 @@ _LATER_WORD = re.compile(r"(?<=\s)[A-Za-z]{3,}")
 """A word after the first one that title case would capitalise."""
 _INSIDE_A_SENTENCE = re.compile(r"\b(?!I\b)[a-z][\w'-]* (?:[A-Z][\w'-]* )*$")
 
+_NAME = re.compile(r"\w+y|dawn|dusk", re.IGNORECASE)
+"""A word for weather or an hour that is a name of people and animals, too."""
+_STARTS = re.compile(r"(?:^|[.;:!?\"\u201d] )[\"'\u201c\u2018]?$")
+"""The start of a sentence."""
+
 
 def is_unreal(kind: Kind, match: re.Match[str], mentioned: Iterable[Mention]) -> bool:
     """Return whether a setting is denied, at another time, part of a name, or a figure of speech.
@@ -52,6 +57,7 @@ def is_unreal(kind: Kind, match: re.Match[str], mentioned: Iterable[Mention]) ->
         or phrases.context("supposed").search(before) is not None
         or _is_at_another_time(kind, match, before, after)
         or _is_proper_name(match, before)
+        or _is_first_name(match, before, mentioned)
         or _is_figurative(match.group(0), before, after)
     )
 
@@ -121,6 +127,21 @@ def _is_proper_name(match: re.Match[str], before: str) -> bool:
         return False
     words: list[str] = _LATER_WORD.findall(match.string)
     return 2 * sum(word[0].isupper() for word in words) <= len(words)
+
+
+def _is_first_name(match: re.Match[str], before: str, mentioned: Iterable[Mention]) -> bool:
+    """Return whether a word at the start of a sentence is somebody who acts or is described."""
+    words, after = match.group(0), match.string[match.end() :]
+    if not words[0].isupper() or not _NAME.fullmatch(words) or not _STARTS.search(before):
+        return False
+    if phrases.context("acts").match(after):
+        return True
+    apposed = next((mention for mention in mentioned if mention.start > match.end()), None)
+    if apposed is None or apposed.thing.group not in ("person", "animal"):
+        return False
+    between, rest = match.string[match.end() : apposed.start], match.string[apposed.end :]
+    is_apposed = phrases.context("apposed").match(between) and rest.startswith(", ")
+    return bool(is_apposed and phrases.context("acts").match(rest[1:]))
 
 
 def _is_figurative(words: str, before: str, after: str) -> bool:

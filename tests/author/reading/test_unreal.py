@@ -191,6 +191,40 @@ def test_a_proper_name_is_neither_weather_nor_an_hour(name):
         assert not settings(text.format(name))
 
 
+@pytest.mark.parametrize("name", ["Misty", "Foggy", "Dusk", "Dawn", "Sunny", "Stormy"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "{} walks across the road.",
+        "{}, a dog, runs across the road.",
+        "{}, the neighbour's cat, sits in the ego's lane.",
+        "{}, who carries a sofa, crosses the road.",
+        "{} and her dog cross the road.",
+        "{} is quickly crossing the road.",
+        "A car stops. {} steps onto the road.",
+    ],
+)
+def test_somebody_who_acts_at_the_start_of_a_sentence_is_neither_weather_nor_an_hour(text, name):
+    assert not settings(text.format(name))
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("Misty weather hangs over the road.", "mist"),
+        ("Misty, a dog runs across the road.", "mist"),
+        ("Misty, a dog, a long road.", "mist"),
+        ("Foggy roads lie ahead.", "fog"),
+        ("Dawn breaks.", "twilight"),
+        ("Dusk falls over the road.", "twilight"),
+        ("Dusk is falling.", "twilight"),
+        ("Dawn has come, and a dog crosses the road.", "twilight"),
+    ],
+)
+def test_weather_and_hours_at_the_start_of_a_sentence_are_claimed(text, value):
+    assert settings(text) == {value}
+
+
 @pytest.mark.parametrize(
     ("text", "value"),
     each(
