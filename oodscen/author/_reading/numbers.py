@@ -46,7 +46,7 @@ _JOINT = r"-?,? (?:to|or|and|by|in|till|until|through|plus|x)(?: an?)? "
 _APART = r"\s*(?:[^\w\s.;!?()\[\]]|_|\.\.)\W*"
 """A sign that does not end a clause, between two numbers."""
 _GOES_ON = re.compile(
-    rf"{_EARLIER}(?:(?: ?[^\W\d_]+)?{_JOINT}|(?:{_METRES})?{_APART})$|\b(?:{_TEN}|{_SCALE}) $",
+    rf"{_EARLIER}(?:(?: ?[^\W\d_]+)?{_JOINT}|(?:{_METRES})?{_APART})$|(?:\b(?:{_TEN}|{_SCALE})|[0-9½¼¾]) $",
     re.IGNORECASE,
 )
 """Matches text before a number of metres that is the end of a larger one, of a range, or of a sum."""
@@ -54,16 +54,27 @@ _COUNT_GOES_ON = re.compile(
     rf"{_EARLIER}(?:(?:[ -]lanes?)?{_JOINT}|{_APART})$|\b(?:{_TEN}|{_SCALE}) $", re.IGNORECASE
 )
 _MORE = r"(?: (?:the|an?|some|about|around|roughly|next|first|last))* $"
-_CHANGED = "minus|plus|point|times|twice|thrice|double|triple"
+_CHANGED = (
+    "minus|plus|point|times|twice|thrice|double|triple|half(?: of)?"
+    "|(?:thirds?|quarters?|fourths?|fifths?|sixths?|eighths?|tenths?|fractions?|per ?cent|multiples?) of"
+)
 _BOUNDED = re.compile(
-    r"\b(?:than|over|under|below|above|beyond|within|up to|upwards? of|at (?:most|least)|between|maximum of|minimum of"
+    r"\b(?:than|over|under|below|above|beyond|within|up to|upwards? of|at (?:most|least)|between|(?:maxim|minim)\w+(?: of)?"
     rf"|not|not even|exceed(?:s|ing)|every|{_CHANGED}){_MORE}",
     re.IGNORECASE,
 )
 _BOUNDED_COUNT = re.compile(
-    rf"\b(?:than|up to|at most|maximum of|almost|nearly|not|not even|no|{_CHANGED}){_MORE}",
+    rf"\b(?:than|up to|at most|maximum(?: of)?|almost|nearly|not|not even|no|{_CHANGED}){_MORE}",
     re.IGNORECASE,
 )
+
+_OPEN = re.compile(
+    rf"(?:{_METRES})?(?: (?:ahead|away|further|down|along|in front|of|on|the|this|ego|car|vehicle|road|street|lane))*"
+    r"(?:,? (?:give or take|plus or minus|plus[-/ ]minus|onwards?|(?:and|or) (?:more|less|beyond|further|farther|nearer|closer)(?! \w+s\b))\b"
+    r"|,? (?:at (?:most|least)|minimum|maximum)(?! (?:an?|one|two|three)\b))",
+    re.IGNORECASE,
+)
+"""Matches text after a number of metres that makes it a bound, or leaves a range open."""
 
 
 def whole_number(words: str) -> int | None:
@@ -90,6 +101,7 @@ def number_at(text: str, start: int, end: int, *, counts: bool = False) -> int |
     lead = text[max(0, start - 40) : start]
     others = (_COUNT_GOES_ON, _BOUNDED_COUNT) if counts else (_GOES_ON, _BOUNDED)
     is_apart = _BEGINS.search(lead) and _ENDS.match(text, end)
-    if not is_apart or any(other.search(lead) for other in others):
+    is_open = not counts and _OPEN.match(text, end)
+    if is_open or not is_apart or any(other.search(lead) for other in others):
         return None
     return whole_number(text[start:end])

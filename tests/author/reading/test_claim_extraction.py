@@ -138,6 +138,18 @@ def numbers_in(text):
                     "30 or 40",
                 ),
                 *(
+                    "half 60",
+                    "half of 60",
+                    "half of the 60",
+                    "a third of 60",
+                    "two thirds of 60",
+                    "1/2 60",
+                    "½ 60",
+                    "minimum 60",
+                    "maximum 60",
+                    "a minimum of 60",
+                ),
+                *(
                     "less than 20",
                     "more than 80",
                     "over 80",
@@ -153,6 +165,31 @@ def numbers_in(text):
 def test_a_distance_is_read_whole_or_not_at_all(words, metres):
     expected = {("distance", metres)} if metres else set()
     assert numbers_in(f"A box lies {words} ahead.") == expected
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "60 metres minimum ahead",
+        "60 metres ahead at most",
+        "60 metres ahead, at least",
+        "60 metres in front of the ego or more",
+        "from 60 metres ahead onwards",
+        "60 metres ahead and beyond",
+        "60 metres ahead, give or take 10",
+        "60 metres, give or take, ahead",
+        "60 metres ahead, plus or minus 5",
+    ],
+)
+def test_a_distance_that_is_left_open_behind_it_is_none(words):
+    assert not numbers_in(f"A tyre lies {words}.")
+
+
+@pytest.mark.parametrize(
+    "rest", [", at least one car stands", " and more cars stand", ", half of it", " on the road"]
+)
+def test_a_distance_before_other_words_is_read(rest):
+    assert ("distance", 60) in numbers_in(f"A tyre lies 60 metres ahead{rest}.")
 
 
 @pytest.mark.parametrize(
