@@ -13,8 +13,15 @@ from oodscen.data._base import Data, no_truth_value
 from oodscen.data._colours import Colour
 from oodscen.data._issues import MOST_PARTS
 
-A_NUMBER = BeforeValidator(no_truth_value)
-"""Refuses true and false, which pydantic takes for 1 and 0."""
+
+def _number(value: object) -> object:
+    """Return a value unless pydantic takes it for a number though it is none: `true`, `1_0` in quotes."""
+    if isinstance(value, str) and "_" in value:
+        raise ValueError("must be a number, without underscores")
+    return no_truth_value(value)
+
+
+A_NUMBER = BeforeValidator(_number)
 Metres = Annotated[float, Field(ge=-20, le=20), A_NUMBER]
 Length = Annotated[float, Field(gt=0, le=20), A_NUMBER]
 Degrees = Annotated[float, Field(ge=-360, le=360), A_NUMBER]

@@ -91,12 +91,17 @@ def test_every_fault_is_found(field: str, value: object) -> None:
     assert any(issue.path.startswith(field) for issue in refused.value.issues)
 
 
+@pytest.mark.parametrize(
+    ("wrong", "told"), [(True, "must not be true or false"), ("1_0", "must be a number")]
+)
 @settings(max_examples=40)
-@given(designs())
-def test_no_number_of_a_design_may_be_true_or_false(table: dict[str, Any]) -> None:
+@given(table=designs())
+def test_what_is_no_number_is_none_in_a_design(
+    table: dict[str, Any], wrong: object, told: str
+) -> None:
     for holder, key in list(_numbers(table)):
-        number, holder[key] = holder[key], True
-        with pytest.raises(DataError, match="must not be true or false"):
+        number, holder[key] = holder[key], wrong
+        with pytest.raises(DataError, match=told):
             Prop.parse(table)
         holder[key] = number
 
