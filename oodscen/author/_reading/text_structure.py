@@ -113,7 +113,7 @@ class TextStructure:
         """
         clause, end = self.clauses[self.clause_at(position)], position
         while not phrases.context("absent").search(self.text[clause.start : end]):
-            has_head = any(noun.start < end and not noun.is_oblique for noun in clause.nouns)
+            has_head = any(not noun.is_oblique for noun in clause.nouns)
             if has_head or not _GOES_ON.match(self.text, clause.start):
                 return False
             end = clause.start

@@ -130,7 +130,7 @@ def _is_proper_name(match: re.Match[str], before: str) -> bool:
 
 
 def _is_first_name(match: re.Match[str], before: str, mentioned: Iterable[Mention]) -> bool:
-    """Return whether a word at the start of a sentence is somebody who acts or is described."""
+    """Return whether a word at the start of a sentence is the name of a person or an animal that acts."""
     words, after = match.group(0), match.string[match.end() :]
     if not words[0].isupper() or not _NAME.fullmatch(words) or not _STARTS.search(before):
         return False

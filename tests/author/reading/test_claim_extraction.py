@@ -397,6 +397,7 @@ def test_the_place_of_what_is_absent_is_claimed_of_nothing_else(text, denied):
         "With no warning, a deer stands in the ego's lane.",
         "No lights are on: a car stands in the ego's lane.",
         "A tree has fallen 45 metres ahead, leaving no way past on the ego's side.",
+        "There is no traffic, in the ego's lane a deer stands.",
         "Nothing but a deer stands in the ego's lane.",
     ],
 )
