@@ -24,7 +24,7 @@ KEY = "sk-test-planted-0123456789abcdef"
 os.environ.update(OPENAI_API_KEY=KEY, OODSCEN_OFFLINE="1")
 
 from oodscen import Scene, Study, make_simulator  # noqa: E402
-from oodscen._concurrency import as_finished  # noqa: E402
+from oodscen._parallel.threads import as_finished  # noqa: E402
 from oodscen.driving._sight.placement import check_scene  # noqa: E402
 from oodscen.errors import BudgetExceeded, EndpointDown, LLMError  # noqa: E402
 from oodscen.llm._ask import ask  # noqa: E402

@@ -25,8 +25,8 @@ from tqdm import tqdm
 
 from oodscen import Study, StudyConfig
 from oodscen._cli import main as cli
+from oodscen._io.study_files import TABLES, TREES
 from oodscen._pipeline import run_study
-from oodscen._study_files import TABLES, TREES
 from oodscen.errors import OodscenError
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.protocols import Request

@@ -22,11 +22,11 @@ import numpy as np
 from tqdm import tqdm
 
 from oodscen import Describer, Metrics, Scenario, Study, StudyConfig, make_llm
-from oodscen._concurrency import as_finished
 from oodscen._entry_points import DEFAULT_LLM
+from oodscen._parallel.threads import as_finished
 from oodscen._pipeline.pipeline import Pipeline
 from oodscen._registry import make_encoder
-from oodscen._text import folded_words
+from oodscen._words.text import folded_words
 from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.baselines import load_baseline

@@ -21,7 +21,7 @@ from typing import (
 
 from oodscen._members import conforming
 from oodscen._numbers import plain_number, said
-from oodscen._redaction import redact
+from oodscen._words.redaction import redact
 from oodscen.errors import UnknownComponent, UsageError
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from itertools import islice
 from pathlib import PurePath
 from typing import Any, ClassVar
 
-from oodscen._redaction import HIDDEN, redact, secrets_in
+from oodscen._words.redaction import HIDDEN, redact, secrets_in
 
 LINES = 5
 """Maximum number of lines of a representation."""

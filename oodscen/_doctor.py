@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 from zlib import compress, crc32
 
-from oodscen._files import temporary_folder
+from oodscen._io.files import temporary_folder
 from oodscen._members import close, is_interruption, reason
 from oodscen._progress import Progress
 from oodscen.errors import DataError, OodscenError, UsageError

@@ -5,7 +5,7 @@ import inspect
 import textwrap
 from typing import TypeVar
 
-from oodscen._text import one_line
+from oodscen._words.text import one_line
 
 Class = TypeVar("Class", bound=type)
 

@@ -7,8 +7,8 @@ from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from oodscen._numbers import finite_number
-from oodscen._redaction import redact_start
-from oodscen._text import is_name, one_line, printable, whole
+from oodscen._words.redaction import redact_start
+from oodscen._words.text import is_name, one_line, printable, whole
 from oodscen.data._catalogue import Catalogue
 from oodscen.errors import (
     DataError,

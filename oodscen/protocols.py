@@ -23,7 +23,7 @@ from pydantic import Field, field_validator
 from oodscen._display import Brief, png
 from oodscen._field_docs import with_fields
 from oodscen._numbers import finite_number, whole_number
-from oodscen._text import whole
+from oodscen._words.text import whole
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._messages import Image, Message

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import settings
 
-from oodscen import _redaction
+from oodscen._words import redaction
 
 if TYPE_CHECKING:
     from oodscen.protocols import Encoder
@@ -68,7 +68,7 @@ def quick(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def minilm(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> "Encoder":
     """Return all-MiniLM-L6-v2, which the first process that asks for it exports."""
-    from oodscen._lock import locked
+    from oodscen._io.lock import locked
     from oodscen.encoders._all_minilm import all_minilm
 
     with locked(_shared(tmp_path_factory) / "minilm.run", "encoder", wait_s=600):
@@ -88,10 +88,10 @@ def small(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(autouse=True)
 def _forgotten_keys() -> Iterator[None]:
     """Forget the keys that a test used: each that is known makes every later search for keys slower."""
-    known = set(_redaction._told)
+    known = set(redaction._told)
     yield
-    _redaction._told.clear()
-    _redaction._told.update(known)
+    redaction._told.clear()
+    redaction._told.update(known)
 
 
 @pytest.fixture(scope="module", autouse=True)

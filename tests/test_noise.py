@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from oodscen._text import whole
+from oodscen._words.text import whole
 from oodscen.data._scene import Actor, Ego, Hazard, Placement, Trigger, Weather
 from oodscen.llm._reading import read_answer
 from oodscen.prompts import QUESTIONS

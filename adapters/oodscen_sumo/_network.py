@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
 
-from oodscen._text import one_line
+from oodscen._words.text import one_line
 from oodscen.driving._roads.building import read_map
 from oodscen.errors import MissingExtra, SimulatorError
 

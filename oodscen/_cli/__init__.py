@@ -40,11 +40,11 @@ from oodscen._cli import (
 from oodscen._cli.groups import CommandGroup
 from oodscen._cli.help import COMMANDS, sections_of
 from oodscen._cli.output import drop_output, say, shortened
-from oodscen._interrupts import in_this_process, raise_until_handled, unreported
-from oodscen._processes import ending_children
-from oodscen._redaction import redact
-from oodscen._text import printable, text_fault
+from oodscen._parallel.interrupts import in_this_process, raise_until_handled, unreported
+from oodscen._parallel.processes import ending_children
 from oodscen._version import __version__
+from oodscen._words.redaction import redact
+from oodscen._words.text import printable, text_fault
 from oodscen.errors import OodscenError, RunStopped, UsageError
 from oodscen.llm._remote.offline import enforce
 

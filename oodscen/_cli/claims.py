@@ -19,7 +19,7 @@ from oodscen._cli.options import (
 from oodscen._cli.output import if_stopped, say
 from oodscen._cli.paths import READABLE
 from oodscen._cli.progress import tracked
-from oodscen._files import read_utf8
+from oodscen._io.files import read_utf8
 from oodscen.data._base import Data, canonical_json
 from oodscen.errors import AnswerError, DataError, Issue, LLMError, UsageError
 

@@ -3,7 +3,7 @@
 import click
 from click.shell_completion import CompletionItem, get_completion_class
 
-from oodscen._standard_output import results
+from oodscen._io.standard_output import results
 from oodscen.errors import UsageError
 
 SHELLS = ("bash", "zsh", "fish")

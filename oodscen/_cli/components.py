@@ -72,7 +72,7 @@ def doctor(
     adapter with oodscen.testing.check_simulator.
     """
     from oodscen._doctor import CheckResult, examine, examine_knowledge, examine_llm
-    from oodscen._processes import run_apart
+    from oodscen._parallel.processes import run_apart
 
     if name is not None and what not in ("llm", "knowledge"):
         raise click.UsageError(f"unexpected argument {name!r}; usage: oodscen doctor SIMULATOR")

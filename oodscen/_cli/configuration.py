@@ -8,9 +8,9 @@ import click
 
 from oodscen._cli.help import option_key
 from oodscen._cli.paths import READABLE
-from oodscen._files import read_utf8
-from oodscen._text import one_line
-from oodscen._toml import parse_toml
+from oodscen._io.files import read_utf8
+from oodscen._io.toml import parse_toml
+from oodscen._words.text import one_line
 from oodscen.errors import DataError, Issue, close_matches
 
 _NOUN = "configuration"

@@ -23,10 +23,10 @@ from oodscen._cli.output import say, write
 from oodscen._cli.paths import PathName
 from oodscen._cli.places import KnownFacts, scenes_of
 from oodscen._cli.progress import tracked
-from oodscen._files import replace, writing
+from oodscen._io.files import replace, writing
+from oodscen._io.study_files import refuse_inside
 from oodscen._members import using
-from oodscen._processes import Processes
-from oodscen._study_files import refuse_inside
+from oodscen._parallel.processes import Processes
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._episode import ACTIONS
 from oodscen.data._pairing import twin_id

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from oodscen._cli.places import KnownFacts
-from oodscen._files import read_utf8, replace
+from oodscen._io.files import read_utf8, replace
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._pairing import demand_id, is_ordinary, twin_id
 from oodscen.data._scene import Scene

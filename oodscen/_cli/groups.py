@@ -6,7 +6,7 @@ from contextlib import suppress
 
 import click
 
-from oodscen._standard_output import for_results
+from oodscen._io.standard_output import for_results
 from oodscen.errors import UsageError
 
 

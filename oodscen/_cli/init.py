@@ -16,8 +16,8 @@ from oodscen._cli.help import option_key, sections_of
 from oodscen._cli.output import say, write
 from oodscen._cli.paths import FileCommand, OutputName
 from oodscen._entry_points import DEFAULT_LLM
-from oodscen._files import is_written_through
-from oodscen._text import one_line, text_fault
+from oodscen._io.files import is_written_through
+from oodscen._words.text import one_line, text_fault
 from oodscen.errors import UsageError
 
 _EXAMPLES: Mapping[str, Any] = {

@@ -24,7 +24,7 @@ from oodscen._cli.paths import READABLE, PathName
 from oodscen._cli.places import SceneSource, scenes_of
 from oodscen._cli.progress import tracked
 from oodscen._members import using
-from oodscen._text import one_line, printable
+from oodscen._words.text import one_line, printable
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._pairing import is_twin, kind_of, scene_of
 from oodscen.data._scene import Scene

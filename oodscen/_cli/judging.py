@@ -10,8 +10,8 @@ from oodscen._cli.numbers import SHARE, FiniteRange
 from oodscen._cli.options import json_option, refuse_idle
 from oodscen._cli.output import say
 from oodscen._cli.paths import PathName
+from oodscen._io.study_files import AUDIT
 from oodscen._numbers import MOST
-from oodscen._study_files import AUDIT
 
 _COUNT = click.IntRange(1, MOST)
 

@@ -10,10 +10,10 @@ from typing import TypeVar
 
 import click
 
-from oodscen._files import is_written_through, read_utf8, write_named, writing
-from oodscen._standard_output import results
-from oodscen._study_files import refuse_own
-from oodscen._text import printable
+from oodscen._io.files import is_written_through, read_utf8, write_named, writing
+from oodscen._io.standard_output import results
+from oodscen._io.study_files import refuse_own
+from oodscen._words.text import printable
 from oodscen.data._base import Data
 from oodscen.errors import DataError, Issue
 

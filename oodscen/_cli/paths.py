@@ -8,8 +8,8 @@ from typing import Any
 
 import click
 
-from oodscen._files import is_written_through
-from oodscen._study_files import refuse_own
+from oodscen._io.files import is_written_through
+from oodscen._io.study_files import refuse_own
 from oodscen.errors import UsageError
 
 

@@ -13,8 +13,8 @@ from oodscen._cli.options import json_option, refuse_idle
 from oodscen._cli.output import say
 from oodscen._cli.paths import PathName
 from oodscen._cli.pictures import GRAPHICS, blocks, graphics_of, iterm, kitty, sixel
-from oodscen._standard_output import results
-from oodscen._text import one_line
+from oodscen._io.standard_output import results
+from oodscen._words.text import one_line
 from oodscen.data._episode import ACTIONS, in_order
 from oodscen.data._pairing import is_ordinary, kind_of, scene_of
 from oodscen.errors import UnknownComponent, UsageError

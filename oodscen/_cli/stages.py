@@ -30,9 +30,9 @@ from oodscen._cli.output import if_stopped, read_lines, say, write, write_lines
 from oodscen._cli.paths import READABLE, FileCommand, OutputName, PathName
 from oodscen._cli.progress import bars, tracked
 from oodscen._cli.summaries import rounds_in_words
+from oodscen._io.study_files import refuse_inside
 from oodscen._members import close
 from oodscen._registry import DEFAULT_ENCODER
-from oodscen._study_files import refuse_inside
 from oodscen.data._base import canonical_json
 from oodscen.data._reactions import REACTIONS_S
 from oodscen.errors import LLMError, OodscenError, UsageError

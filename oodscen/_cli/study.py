@@ -38,9 +38,9 @@ from oodscen._cli.paths import READABLE, OutputName, PathName
 from oodscen._cli.progress import bars
 from oodscen._cli.summaries import estimated, exit_code, graded, left_out, summary
 from oodscen._entry_points import is_builtin
-from oodscen._files import is_written_through
+from oodscen._io.files import is_written_through
+from oodscen._io.study_files import QUIZ, refuse_own
 from oodscen._registry import DEFAULT_ENCODER
-from oodscen._study_files import QUIZ, refuse_own
 from oodscen.errors import AnswerError, UsageError
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from oodscen._cli.numbers import FiniteRange
 from oodscen._cli.options import grouped_options, json_option, out_option, refuse_idle
 from oodscen._cli.output import say, write
 from oodscen._cli.paths import FileCommand, PathName
-from oodscen._study_files import TREES
-from oodscen._text import one_line
+from oodscen._io.study_files import TREES
+from oodscen._words.text import one_line
 from oodscen.errors import DataError, Issue, UsageError
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit
 

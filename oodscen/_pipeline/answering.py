@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from oodscen._io.study_files import PEOPLE, REAR
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.steps.scenes import simulate_behind
-from oodscen._study_files import PEOPLE, REAR
 from oodscen.data._episode import Episode
 from oodscen.errors import DataError, Issue, UsageError
 from oodscen.judging._people import PersonAnswers, QuizAnswers, as_name

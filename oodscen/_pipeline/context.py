@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 from oodscen._entry_points import is_asked
 from oodscen._pipeline.models import Models
 from oodscen._pipeline.options import RunOptions
-from oodscen._redaction import redact
 from oodscen._registry import make_catalogue, make_encoder, make_simulator
+from oodscen._words.redaction import redact
 from oodscen.baselines import load_baseline
 from oodscen.baselines._baseline import Baseline
 from oodscen.data._base import Data

@@ -9,8 +9,8 @@ from functools import lru_cache, partial
 from itertools import product
 
 from oodscen._members import close, using
+from oodscen._parallel.processes import Processes, is_worker
 from oodscen._pipeline.sweep import check_workers
-from oodscen._processes import Processes, is_worker
 from oodscen._registry import driver_maker, make_simulator
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import twin_id

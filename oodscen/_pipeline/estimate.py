@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from oodscen._entry_points import is_asked
-from oodscen._files import temporary_folder, unreadable
+from oodscen._io.files import temporary_folder, unreadable
 from oodscen._pipeline.models import Models
 from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.pipeline import Pipeline
 from oodscen._pipeline.sweep import check_workers
 from oodscen._registry import make_llm
-from oodscen._text import CHARACTERS_PER_TOKEN
+from oodscen._words.text import CHARACTERS_PER_TOKEN
 from oodscen.data._episode import MOMENTS, moments
 from oodscen.data._messages import Image, Message
 from oodscen.data._pairing import twin_id

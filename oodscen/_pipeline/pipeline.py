@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from oodscen._abilities import Rehearses, packages_of
+from oodscen._io.study_files import ASSETS, MOTIONS
 from oodscen._members import reason
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.options import RunOptions
@@ -24,9 +25,8 @@ from oodscen._pipeline.steps.texts import (
     without_twin,
 )
 from oodscen._pipeline.steps.trees import grow, prune, redteam
-from oodscen._redaction import redact
-from oodscen._study_files import ASSETS, MOTIONS
 from oodscen._version import __version__
+from oodscen._words.redaction import redact
 from oodscen.data._base import canonical_json
 from oodscen.data._pairing import kind_of
 from oodscen.data._scenario import Scenario

@@ -4,10 +4,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
+from oodscen._io.study_files import REAR
 from oodscen._pipeline.jobs import Job, Outputs
 from oodscen._pipeline.steps.scenes import has_files
 from oodscen._pipeline.sweep import sweep
-from oodscen._study_files import REAR
 from oodscen.data._base import digest
 from oodscen.data._episode import Episode
 from oodscen.data._scene import Scene

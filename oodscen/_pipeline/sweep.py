@@ -9,9 +9,9 @@ from typing import Any
 from oodscen._arguments import instance_of
 from oodscen._entry_points import load_factory
 from oodscen._members import reason
+from oodscen._parallel.processes import Processes, is_importable, is_script
 from oodscen._pipeline.jobs import Job, SweepResult
 from oodscen._pipeline.worker import failed_drives, failed_episode, run_chunk
-from oodscen._processes import Processes, is_importable, is_script
 from oodscen.data._pairing import scene_of
 from oodscen.data._scene import Scene
 from oodscen.errors import MissingExtra, RunStopped, SimulatorCrash, UsageError

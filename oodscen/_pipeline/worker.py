@@ -8,13 +8,13 @@ from typing import TypeVar
 
 import numpy as np
 
-from oodscen._files import temporary_folder
-from oodscen._jpeg import to_jpeg
+from oodscen._io.files import temporary_folder
+from oodscen._io.jpeg import to_jpeg
 from oodscen._members import close, is_interruption, reason
 from oodscen._pipeline.jobs import Job, SweepResult
-from oodscen._redaction import redact
 from oodscen._registry import make_simulator
 from oodscen._seeding import stream
+from oodscen._words.redaction import redact
 from oodscen.data._episode import ACTIONS, Episode
 from oodscen.data._pairing import demand_id, twin_id
 from oodscen.data._scene import Scene

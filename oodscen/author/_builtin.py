@@ -10,7 +10,7 @@ from pydantic import BaseModel
 
 from oodscen._display import Brief
 from oodscen._seeding import stream
-from oodscen._text import folded_words
+from oodscen._words.text import folded_words
 from oodscen.author._feasibility import BranchJudge
 from oodscen.author._imagining import Imagination
 from oodscen.author._knowledge.base import HazardKind

@@ -2,7 +2,7 @@
 
 from typing import Literal, TypeVar
 
-from oodscen._files import bundled
+from oodscen._io.files import bundled
 from oodscen.data._base import Data
 
 Split = Literal["tune", "frozen"]

@@ -21,7 +21,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
-from oodscen._json import parse_json
+from oodscen._io.json import parse_json
 from oodscen.baselines._dataset_texts import DatasetText, TextsAndIssues, texts_of
 from oodscen.baselines._drivelm import read_drivelm
 from oodscen.baselines._reading import CsvTable, read_csv, repeated

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from oodscen._numbers import finite_number
-from oodscen._text import folded_words
+from oodscen._words.text import folded_words
 from oodscen.data._base import Data
 from oodscen.encoders._similarity import TIE, unit
 from oodscen.errors import UsageError

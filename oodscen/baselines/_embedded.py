@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._display import Brief
-from oodscen._files import read_utf8, refuse_special, writing
-from oodscen._json import parse_object
+from oodscen._io.files import read_utf8, refuse_special, writing
+from oodscen._io.json import parse_object
 from oodscen.baselines._texts import fault_of, refuse
 from oodscen.encoders._check import dimension, encode
 from oodscen.errors import DataError, Issue, MissingExtra, UsageError

@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from functools import cache
 from types import MappingProxyType
 
-from oodscen._files import bundled
+from oodscen._io.files import bundled
 from oodscen.baselines._baseline import Baseline
 
 _FILES = (

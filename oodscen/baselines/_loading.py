@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Literal
 
 from oodscen._arguments import checked
-from oodscen._files import read_utf8
+from oodscen._io.files import read_utf8
 from oodscen.baselines._baseline import Baseline
 from oodscen.baselines._dataset_texts import TextsAndIssues
 from oodscen.baselines._datasets import (

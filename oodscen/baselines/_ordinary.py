@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from oodscen._files import bundled
+from oodscen._io.files import bundled
 from oodscen._seeding import stream
-from oodscen._text import folded_words
+from oodscen._words.text import folded_words
 from oodscen.baselines._baseline import Baseline
 from oodscen.baselines._handwritten import handwritten_driving
 from oodscen.errors import UsageError

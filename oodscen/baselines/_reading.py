@@ -7,10 +7,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
-from oodscen._csv import csv_fault, fields_up_to
 from oodscen._display import brief
-from oodscen._files import read_utf8
-from oodscen._json import parse_json
+from oodscen._io.csv import csv_fault, fields_up_to
+from oodscen._io.files import read_utf8
+from oodscen._io.json import parse_json
 from oodscen.baselines._texts import MAX_CHARACTERS, fault_of, refuse
 from oodscen.errors import Issue
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 
-from oodscen._text import is_visible
+from oodscen._words.text import is_visible
 from oodscen.data._base import Data
 from oodscen.data._scenario import Scenario
 from oodscen.errors import DataError, Issue

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, NamedTuple
 
-from oodscen._files import bundled
-from oodscen._text import AMERICAN
+from oodscen._io.files import bundled
+from oodscen._words.text import AMERICAN
 from oodscen.data._catalogue import Asset, RoadMap
 from oodscen.prompts._digest import AssetLine
 

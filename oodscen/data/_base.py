@@ -19,8 +19,8 @@ from pydantic import (
 )
 
 from oodscen._display import Brief
-from oodscen._files import read_utf8
-from oodscen._json import parse_json
+from oodscen._io.files import read_utf8
+from oodscen._io.json import parse_json
 from oodscen.data._issues import issues_of
 from oodscen.errors import DataError, Issue
 

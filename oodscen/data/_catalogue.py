@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Protocol, Self, TypeVar, ge
 
 from pydantic import Field, model_validator
 
-from oodscen._decimals import exact
 from oodscen._field_docs import with_fields
+from oodscen._words.decimals import exact
 from oodscen.data._base import Data, LeanData
 from oodscen.data._category import Category
 from oodscen.data._detail_checks import check_details, unknown_words

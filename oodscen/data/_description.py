@@ -4,8 +4,8 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Field
 
-from oodscen._text import is_visible
-from oodscen._wording import appearance_fault
+from oodscen._words.text import is_visible
+from oodscen._words.wording import appearance_fault
 
 
 def _plain(text: str) -> str:

@@ -6,8 +6,8 @@ from typing import Literal, Self
 
 from pydantic import Field, PrivateAttr
 
-from oodscen._files import read_bytes
-from oodscen._picture_size import picture_size
+from oodscen._io.files import read_bytes
+from oodscen._io.picture_size import picture_size
 from oodscen.data._base import Data
 from oodscen.errors import UsageError
 

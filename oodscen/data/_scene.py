@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Literal, Self, TypeGuard, get_args
 from pydantic import Field, ValidationError, field_validator, model_validator
 
 from oodscen._numbers import finite_number
-from oodscen._wording import is_left_out
+from oodscen._words.wording import is_left_out
 from oodscen.data._base import Data, LeanData
 from oodscen.data._claim import Claim
 from oodscen.data._details import Details

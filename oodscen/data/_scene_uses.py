@@ -6,7 +6,7 @@ They are the only functions that call upwards, and import what they need when th
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
-from oodscen._study_files import refuse_own
+from oodscen._io.study_files import refuse_own
 from oodscen.data._claim import Claim
 from oodscen.data._reactions import NOMINAL_REACTION_S
 from oodscen.errors import Issue, SceneError

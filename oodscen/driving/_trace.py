@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from oodscen._arguments import state_of
 from oodscen._display import Brief
-from oodscen._files import writing
-from oodscen._study_files import refuse_own
+from oodscen._io.files import writing
+from oodscen._io.study_files import refuse_own
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._prop import FLAT_M

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen._files import unreadable
+from oodscen._io.files import unreadable
 from oodscen.errors import DataError, Issue, MissingExtra, UsageError
 
 if TYPE_CHECKING:

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._display import Brief
-from oodscen._files import read_bytes, replace, temporary_folder
-from oodscen._lock import locked
+from oodscen._io.files import read_bytes, replace, temporary_folder
+from oodscen._io.lock import locked
 from oodscen._members import optional
 from oodscen.encoders._check import dimension, encode
 from oodscen.errors import InUse, StudyError

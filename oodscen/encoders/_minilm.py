@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from oodscen._files import file_sha256
+from oodscen._io.files import file_sha256
 from oodscen.encoders._sentence_transformers import SentenceTransformerEncoder
 from oodscen.errors import EncoderError, MissingExtra
 

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen._files import replace, temporary_folder
+from oodscen._io.files import replace, temporary_folder
 from oodscen._numbers import whole_number
 from oodscen.encoders._cached import cache_folder
 from oodscen.encoders._minilm import (

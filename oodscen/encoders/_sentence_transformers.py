@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._display import Brief
-from oodscen._files import file_sha256
+from oodscen._io.files import file_sha256
 from oodscen.encoders._check import check_embeddings
 from oodscen.errors import EncoderError, MissingExtra
 

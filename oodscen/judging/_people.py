@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, StrictBool, StringConstraints
 
-from oodscen._study_files import PEOPLE
-from oodscen._wording import is_unseen
+from oodscen._io.study_files import PEOPLE
+from oodscen._words.wording import is_unseen
 from oodscen.data._base import Data, digest
 from oodscen.data._episode import ACTIONS, Episode
 from oodscen.data._verdict import is_without_pictures

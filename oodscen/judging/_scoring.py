@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple, Self
 
-from oodscen._redaction import redact
+from oodscen._words.redaction import redact
 from oodscen.data._base import Data
 from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._pairing import is_ordinary, scene_of

@@ -6,12 +6,12 @@ from typing import TypeVar, cast
 from pydantic import BaseModel
 
 from oodscen._arguments import checked
-from oodscen._json import is_object
+from oodscen._io.json import is_object
 from oodscen._members import optional
 from oodscen._numbers import whole_number
-from oodscen._redaction import redact_keys
 from oodscen._seeding import MAX_SEED
-from oodscen._text import whole
+from oodscen._words.redaction import redact_keys
+from oodscen._words.text import whole
 from oodscen.data._messages import Message
 from oodscen.errors import AnswerError, Issue
 from oodscen.llm._check import complete

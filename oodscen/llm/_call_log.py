@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 from typing import ClassVar, Literal
 
 from oodscen._members import of_the_caller
-from oodscen._redaction import redact
+from oodscen._words.redaction import redact
 from oodscen.data._base import Data
 from oodscen.errors import RunStopped
 from oodscen.llm._check import complete

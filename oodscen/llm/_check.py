@@ -1,7 +1,7 @@
 """The contract of `LLM.complete`, checked at the boundary."""
 
 from oodscen._members import conforming, described, working
-from oodscen._redaction import redact_keys, redact_start
+from oodscen._words.redaction import redact_keys, redact_start
 from oodscen.errors import LLMError
 from oodscen.llm._reading import MAX_ANSWER
 from oodscen.protocols import LLM, Completion, Request

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import json_repair
 
-from oodscen._text import clean_surrogates, whole
+from oodscen._words.text import clean_surrogates, whole
 
 
 class Members(dict[str, Any]):

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from oodscen._text import CHARACTERS_PER_TOKEN
+from oodscen._words.text import CHARACTERS_PER_TOKEN
 from oodscen.data._messages import Message
 from oodscen.llm._remote.usage import IMAGE_TOKENS
 from oodscen.protocols import Request

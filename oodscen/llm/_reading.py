@@ -6,7 +6,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from oodscen._prose import is_disowned, is_taken_back, without_thoughts
+from oodscen._words.prose import is_disowned, is_taken_back, without_thoughts
 from oodscen.data._issues import issues_of
 from oodscen.errors import Issue
 from oodscen.llm._json_objects import JsonObject, find_objects, held_values, is_cut_off

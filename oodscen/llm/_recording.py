@@ -19,9 +19,9 @@ from typing import BinaryIO, ClassVar, NamedTuple
 from pydantic import Field
 
 from oodscen._display import Brief
-from oodscen._files import refuse_special, unreadable
-from oodscen._lock import locked
-from oodscen._redaction import redact_keys
+from oodscen._io.files import refuse_special, unreadable
+from oodscen._io.lock import locked
+from oodscen._words.redaction import redact_keys
 from oodscen.data._base import LeanData, digest
 from oodscen.data._messages import Message
 from oodscen.errors import DataError, Issue, StudyError, UsageError

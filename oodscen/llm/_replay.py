@@ -7,7 +7,7 @@ from itertools import accumulate
 from pathlib import Path
 
 from oodscen._display import Brief
-from oodscen._files import refuse_special
+from oodscen._io.files import refuse_special
 from oodscen.errors import DataError, Issue, ReplayMiss, UnknownComponent
 from oodscen.llm._check import complete
 from oodscen.llm._recording import Exchange, Recorder, Recording

@@ -22,7 +22,7 @@ from typing import Any, Generic, ParamSpec, Protocol, TypeVar, get_args
 
 import numpy as np
 
-from oodscen import _flock
+from oodscen._io import flock
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -143,12 +143,12 @@ def _compile_lock(compiled: Any, name: str) -> Iterator[None]:
         return
     descriptor = None
     with suppress(OSError):
-        descriptor = _flock.acquire(Path(folder, f"{name}.lock"), _PATIENCE_S)
+        descriptor = flock.acquire(Path(folder, f"{name}.lock"), _PATIENCE_S)
     try:
         yield
     finally:
         if descriptor is not None:
-            _flock.release(descriptor)
+            flock.release(descriptor)
 
 
 def _compiled(function: Callable[P, R], name: str) -> Any:

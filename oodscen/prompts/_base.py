@@ -11,8 +11,8 @@ import jinja2
 import jinja2.meta
 from pydantic import BaseModel
 
-from oodscen._decimals import seconds, speed
-from oodscen._files import bundled
+from oodscen._io.files import bundled
+from oodscen._words.decimals import seconds, speed
 from oodscen.data._base import Data, canonical_json
 from oodscen.data._messages import Image, Message
 from oodscen.errors import Issue

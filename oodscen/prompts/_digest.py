@@ -5,7 +5,7 @@ from collections import Counter
 from functools import cached_property, lru_cache
 from typing import Self
 
-from oodscen._decimals import exact
+from oodscen._words.decimals import exact
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap, by_name
 from oodscen.data._category import Category

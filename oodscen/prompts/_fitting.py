@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from typing import Any, TypeVar
 
-from oodscen._text import CHARACTERS_PER_TOKEN, stem
+from oodscen._words.text import CHARACTERS_PER_TOKEN, stem
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._digest import AssetLine, BehaviourLine, CatalogueDigest
 

@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 from typing import Self, assert_never
 
-from oodscen._decimals import exact
+from oodscen._words.decimals import exact
 from oodscen.data._additions import DENSE_FOG_M, ICE
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG, WeatherKind, is_weather_kind

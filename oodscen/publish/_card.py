@@ -8,8 +8,8 @@ from typing import Any
 
 import jinja2
 
-from oodscen._text import one_line, printable
 from oodscen._version import __version__
+from oodscen._words.text import one_line, printable
 from oodscen.data._base import canonical_json
 from oodscen.data._reactions import drivers_in_words
 from oodscen.judging._kinds import merge_kinds

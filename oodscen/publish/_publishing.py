@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Literal, get_args
 
 from oodscen._arguments import checked, refuse_key
-from oodscen._files import check_name, file_sha256, writing
+from oodscen._io.files import check_name, file_sha256, writing
+from oodscen._io.study_files import refuse_inside
 from oodscen._numbers import finite_number
-from oodscen._study_files import refuse_inside
 from oodscen.errors import DataError, Issue, StudyError, UsageError
 from oodscen.publish._card import card
 from oodscen.publish._drivelm import write_drivelm

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from oodscen._files import file_sha256, inside, read_regular
-from oodscen._lock import NAME as LOCK
-from oodscen._lock import locked
+from oodscen._io.files import file_sha256, inside, read_regular
+from oodscen._io.lock import NAME as LOCK
+from oodscen._io.lock import locked
 from oodscen.errors import FolderTaken, UsageError
 
 SUMS = "SHA256SUMS"

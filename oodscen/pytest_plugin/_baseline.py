@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import ClassVar, Literal
 
-from oodscen._files import write_named, writing
-from oodscen._lock import locked
+from oodscen._io.files import write_named, writing
+from oodscen._io.lock import locked
 from oodscen.data._base import Data
 from oodscen.errors import StudyError, UsageError
 

@@ -7,7 +7,7 @@ from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 
-from oodscen._text import printable
+from oodscen._words.text import printable
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._scene import Scene
 from oodscen.protocols import State

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from oodscen._arguments import instance_of
 from oodscen._display import png
-from oodscen._files import replace, writing
+from oodscen._io.files import replace, writing
 from oodscen._members import is_interruption
 from oodscen._registry import driver_maker
 from oodscen.data._drive_result import DriveResult

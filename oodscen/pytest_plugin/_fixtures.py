@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, cast
 
 import pytest
 
-from oodscen._text import printable
+from oodscen._words.text import printable
 from oodscen.errors import OodscenError
 from oodscen.pytest_plugin._hooks import SESSION
 from oodscen.pytest_plugin._session import DRIVE, DrivingSession

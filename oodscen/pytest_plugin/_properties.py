@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from oodscen._text import printable
+from oodscen._words.text import printable
 
 if TYPE_CHECKING:
     from oodscen.pytest_plugin._driving import Drive

@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from oodscen._text import one_line
+from oodscen._words.text import one_line
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._pairing import leaf_in, scene_of
 from oodscen.data._scenario import Scenario

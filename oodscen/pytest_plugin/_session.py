@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from oodscen._files import check_name
-from oodscen._study_files import refuse_inside
-from oodscen._text import printable
+from oodscen._io.files import check_name
+from oodscen._io.study_files import refuse_inside
+from oodscen._words.text import printable
 from oodscen.errors import OodscenError, UsageError
 from oodscen.pytest_plugin._baseline import Change, KnownOutcomes, KnownTest, Outcome, update
 from oodscen.pytest_plugin._hooks import path_setting, setting

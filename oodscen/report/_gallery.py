@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from oodscen._decimals import seconds, speed
+from oodscen._words.decimals import seconds, speed
 from oodscen.data._bird_sketch import Sketch
 from oodscen.data._episode import ACTIONS, MOMENTS, Episode, in_order
 from oodscen.data._pairing import demand_id, is_ordinary, twin_id

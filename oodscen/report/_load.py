@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple, TypeVar
 
-from oodscen._files import read_bytes
-from oodscen._json import object_lines, parse_object
-from oodscen._study_files import ASSETS, AUDIT, MOTIONS, TABLES, TREES
+from oodscen._io.files import read_bytes
+from oodscen._io.json import object_lines, parse_object
+from oodscen._io.study_files import ASSETS, AUDIT, MOTIONS, TABLES, TREES
 from oodscen.data._base import Data
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._episode import Episode

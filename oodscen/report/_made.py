@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from oodscen._study_files import picture_of
+from oodscen._io.study_files import picture_of
 from oodscen.data._motion import ABILITIES, Motion
 from oodscen.data._prop import Prop
 from oodscen.data._scene import Scene

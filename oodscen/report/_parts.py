@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from oodscen._decimals import fine_percent
+from oodscen._words.decimals import fine_percent
 from oodscen.data._sighting import TO_NAME
 from oodscen.report._charts.rounds import saturation_chart
 from oodscen.report._charts.scores import intervals

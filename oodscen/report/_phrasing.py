@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from oodscen._decimals import seconds
+from oodscen._words.decimals import seconds
 from oodscen.data._details import Details
 from oodscen.data._episode import ActionOutcome
 from oodscen.data._map_state import MapState

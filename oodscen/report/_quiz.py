@@ -6,11 +6,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from oodscen._decimals import seconds
-from oodscen._files import is_written_through, write_named
-from oodscen._files import replace as replace_file
+from oodscen._io.files import is_written_through, write_named
+from oodscen._io.files import replace as replace_file
+from oodscen._io.study_files import QUIZ, refuse_own
 from oodscen._seeding import stream
-from oodscen._study_files import QUIZ, refuse_own
+from oodscen._words.decimals import seconds
 from oodscen.data._base import canonical_json, digest
 from oodscen.data._episode import in_order
 from oodscen.data._messages import Image

@@ -13,7 +13,7 @@ import jinja2
 from markupsafe import Markup, escape
 
 from oodscen._arguments import checked
-from oodscen._files import bundled
+from oodscen._io.files import bundled
 from oodscen.errors import FolderTaken
 from oodscen.judging._leaderboard.requirements import Bar
 from oodscen.judging._leaderboard.rows import Estimate, Rate

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from oodscen._arguments import checked, state_of
 from oodscen._display import png
-from oodscen._files import writing
+from oodscen._io.files import writing
+from oodscen._io.study_files import refuse_own
 from oodscen._numbers import said
-from oodscen._study_files import refuse_own
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene

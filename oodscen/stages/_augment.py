@@ -7,7 +7,7 @@ from oodscen._arguments import checked, instance_of
 from oodscen._display import Brief
 from oodscen._numbers import whole_number
 from oodscen._progress import Progress, reporting
-from oodscen._text import one_line
+from oodscen._words.text import one_line
 from oodscen.claims._checking import check_claims, mismatches
 from oodscen.claims._faithfulness import extract_claims
 from oodscen.claims._matching import Likeness, likeness_of

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from oodscen._arguments import checked
-from oodscen._concurrency import as_finished
 from oodscen._display import Brief
 from oodscen._numbers import whole_number
+from oodscen._parallel.threads import as_finished
 from oodscen._progress import Progress, counted, reporting
-from oodscen._text import folded_words, one_line
+from oodscen._words.text import folded_words, one_line
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scenario import Scenario
 from oodscen.encoders._check import unit_embeddings

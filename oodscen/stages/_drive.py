@@ -14,7 +14,7 @@ from oodscen._members import conforming, is_interruption, message, reason, worki
 from oodscen._numbers import seed_number
 from oodscen._progress import Progress, counted, reporting
 from oodscen._registry import driver_maker
-from oodscen._text import is_name, one_line, printable
+from oodscen._words.text import is_name, one_line, printable
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import is_twin, twin_id

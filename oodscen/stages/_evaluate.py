@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from oodscen._arguments import checked
-from oodscen._jpeg import to_jpeg
+from oodscen._io.jpeg import to_jpeg
 from oodscen._members import working
 from oodscen._numbers import said
 from oodscen.data._episode import Episode

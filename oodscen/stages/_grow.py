@@ -7,7 +7,7 @@ from oodscen._display import Brief
 from oodscen._numbers import whole_number
 from oodscen._paper import FEW_SHOTS, NODES, attestation
 from oodscen._progress import Progress, reporting
-from oodscen._text import one_line
+from oodscen._words.text import one_line
 from oodscen.llm._ask import ask, speaker
 from oodscen.prompts._tree.classify_examples import ClassifyExamples
 from oodscen.prompts._tree.give_examples import GiveExamples

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
-from oodscen._text import one_line
+from oodscen._words.text import one_line
 from oodscen.claims._surroundings import HEAVY_RAIN, HEAVY_SNOW
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue
 from oodscen.data._details import DetailKinds, described

@@ -7,7 +7,7 @@ from typing import Any, Literal, Self
 import numpy as np
 
 from oodscen._arguments import checked
-from oodscen._files import read_bytes, temporary_folder, write_named, writing
+from oodscen._io.files import read_bytes, temporary_folder, write_named, writing
 from oodscen._members import as_catalogue, conforming, working
 from oodscen._numbers import finite_number, seed_number
 from oodscen._progress import Progress, reporting

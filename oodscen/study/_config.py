@@ -7,9 +7,9 @@ from pydantic import Field, ModelWrapValidatorHandler, model_validator
 
 from oodscen import _paper as paper
 from oodscen._entry_points import DEFAULT_LLM, is_builtin, names
-from oodscen._redaction import redact
 from oodscen._registry import DEFAULT_CATALOGUES, DEFAULT_ENCODER, DEFAULT_SIMULATOR
 from oodscen._seeding import MAX_SEED
+from oodscen._words.redaction import redact
 from oodscen.data._base import Choices
 from oodscen.data._reactions import LONGEST_REACTION_S, REACTIONS_S
 from oodscen.prompts._scenario.describe_path import Style

@@ -5,7 +5,7 @@ from typing import ClassVar, Literal
 
 from pydantic import ConfigDict
 
-from oodscen._study_files import ASSETS, CATALOGUES, MOTIONS, PEOPLE
+from oodscen._io.study_files import ASSETS, CATALOGUES, MOTIONS, PEOPLE
 from oodscen.data._base import Data
 from oodscen.data._claim import Claim
 from oodscen.data._drive_result import DriveResult

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from oodscen._study_files import ASSETS, MOTIONS
+from oodscen._io.study_files import ASSETS, MOTIONS
 from oodscen.data._motion import Motion
 from oodscen.data._prop import Prop
 from oodscen.stages._making.making import MadeProp

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import ConfigDict
 
 from oodscen._entry_points import is_builtin
-from oodscen._files import file_sha256
+from oodscen._io.files import file_sha256
 from oodscen._version import __version__
 from oodscen.data._base import Data, digest
 from oodscen.prompts._versions import prompt_versions

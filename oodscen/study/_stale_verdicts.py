@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
-from oodscen._text import one_line
+from oodscen._words.text import one_line
 from oodscen.data._base import digest
 from oodscen.data._episode import ACTIONS, Episode
 from oodscen.data._pairing import scene_of

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from oodscen._display import Brief
-from oodscen._files import inside, read_regular, remove_parts, replace, writing
-from oodscen._json import is_object, object_lines, parse_object
-from oodscen._lock import locked
-from oodscen._text import whole
+from oodscen._io.files import inside, read_regular, remove_parts, replace, writing
+from oodscen._io.json import is_object, object_lines, parse_object
+from oodscen._io.lock import locked
+from oodscen._words.text import whole
 from oodscen.data._base import Data, canonical_json
 from oodscen.errors import DataError, Issue, StudyError
 

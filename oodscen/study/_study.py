@@ -8,8 +8,8 @@ from urllib.parse import quote
 
 from oodscen._arguments import checked, instance_of
 from oodscen._display import Brief, escaped, html_table
-from oodscen._files import unreadable
-from oodscen._study_files import AUDIT, FOLDERS, REAR, TABLES, TEXT_SETS, TREES, is_own
+from oodscen._io.files import unreadable
+from oodscen._io.study_files import AUDIT, FOLDERS, REAR, TABLES, TEXT_SETS, TREES, is_own
 from oodscen.data._base import Data
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._episode import Episode

@@ -7,7 +7,7 @@ from typing import Any
 
 from oodscen._arguments import checked
 from oodscen._numbers import whole_number
-from oodscen._processes import is_worker
+from oodscen._parallel.processes import is_worker
 from oodscen._progress import Progress, reporting
 from oodscen._registry import make_simulator
 from oodscen.data._scene import Scene

@@ -12,7 +12,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, Literal, Self, get_args
 
 from oodscen._display import Brief
-from oodscen._redaction import secrets_in
+from oodscen._words.redaction import secrets_in
 from oodscen.errors import LLMError, UnknownComponent
 from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.llm._remote.wire import provider_seed

@@ -4,7 +4,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, ClassVar, Literal, TypeVar
 
-from oodscen._decimals import fine_percent
+from oodscen._words.decimals import fine_percent
 from oodscen.data._base import Data
 from oodscen.data._episode import Episode
 from oodscen.data._pairing import scene_of

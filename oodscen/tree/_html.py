@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING, Literal
 
-from oodscen._text import printable
+from oodscen._words.text import printable
 from oodscen.tree._edits import Node, TreeEdit
 from oodscen.tree._provenance import origin_words
 

@@ -1,10 +1,10 @@
-"""Rules for labels, and the comparison of labels; their wording is that of `oodscen._wording`."""
+"""Rules for labels, and the comparison of labels; their wording is that of `oodscen._words.wording`."""
 
 import re
 import unicodedata
 
-from oodscen._text import is_visible, one_line
-from oodscen._wording import is_left_out, seen, wording_fault
+from oodscen._words.text import is_visible, one_line
+from oodscen._words.wording import is_left_out, seen, wording_fault
 
 CLASSES = ("Environmental", "Interactional")
 """Labels of the two classes of OOD scenarios (paper, section III-A)."""

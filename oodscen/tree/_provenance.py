@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
-from oodscen._text import printable
+from oodscen._words.text import printable
 from oodscen.data._base import Data
 from oodscen.errors import UnknownComponent
 from oodscen.tree._edits import TreeEdit

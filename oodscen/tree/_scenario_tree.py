@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Any, ClassVar, Literal, NoReturn, Self, TypeAlias
 
 from oodscen._arguments import checked, instance_of, instances_of
-from oodscen._files import read_utf8
+from oodscen._io.files import read_utf8
 from oodscen._numbers import whole_number
 from oodscen.data._base import Data, canonical_json, digest
 from oodscen.data._episode import Episode

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen import Describer
-from oodscen._text import folded_words
+from oodscen._words.text import folded_words
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.author._knowledge.base import Knowledge
 from oodscen.author._writing.compose import Composer

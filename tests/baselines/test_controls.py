@@ -3,7 +3,7 @@ from collections import Counter
 
 import pytest
 
-from oodscen._text import folded_words
+from oodscen._words.text import folded_words
 from oodscen.baselines._controls import load_controls
 from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.errors import UsageError

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen._text import folded_words
+from oodscen._words.text import folded_words
 from oodscen.baselines._duplicates import similar_meaning, similar_wording
 from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.errors import UsageError

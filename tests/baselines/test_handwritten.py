@@ -1,6 +1,6 @@
 import re
 
-from oodscen._text import folded_words
+from oodscen._words.text import folded_words
 from oodscen.baselines._handwritten import by_subject, handwritten_driving
 
 TEXTS = handwritten_driving().texts

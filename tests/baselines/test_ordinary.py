@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from oodscen._text import folded_words
+from oodscen._words.text import folded_words
 from oodscen.baselines._handwritten import handwritten_driving
 from oodscen.baselines._ordinary import draw, ordinary_driving
 from oodscen.errors import UsageError

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._text import is_visible
+from oodscen._words.text import is_visible
 from oodscen.baselines._reading import read_records
 from oodscen.errors import DataError
 

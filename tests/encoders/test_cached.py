@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._lock import locked
+from oodscen._io.lock import locked
 from oodscen.encoders._cached import CachedEncoder, cache_folder
 from oodscen.testing._encoder import HashEncoder
 

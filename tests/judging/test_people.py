@@ -9,7 +9,7 @@ import hypothesis
 import pytest
 from hypothesis import strategies as st
 
-from oodscen._study_files import PEOPLE
+from oodscen._io.study_files import PEOPLE
 from oodscen.data._episode import ACTIONS, ActionOutcome, Episode
 from oodscen.errors import DataError
 from oodscen.judging._people import PersonAnswers, QuizAnswers, token

@@ -6,7 +6,7 @@ from datetime import datetime, timedelta
 import pytest
 
 from oodscen import make_llm
-from oodscen._concurrency import as_finished
+from oodscen._parallel.threads import as_finished
 from oodscen.errors import EndpointDown, LLMError, RunStopped
 from oodscen.judging._constant_answerers import ConstantAnswerer
 from oodscen.llm._accounting import account

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen import _redaction
 from oodscen._registry import make_llm
+from oodscen._words import redaction
 from oodscen.errors import AnswerError, LLMError, LLMTimeout
 from oodscen.llm._ask import ask
 from oodscen.llm._check import complete, shortened
@@ -32,9 +32,9 @@ def searched(monkeypatch):
     """Return the lengths of the texts that are searched for pieces of a key, as they come."""
     monkeypatch.setenv("OPENAI_API_KEY", KEY)
     lengths = []
-    search = _redaction._without_pieces
+    search = redaction._without_pieces
     monkeypatch.setattr(
-        _redaction,
+        redaction,
         "_without_pieces",
         lambda text, values: lengths.append(len(text)) or search(text, values),
     )

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen import make_llm
-from oodscen._concurrency import as_finished
-from oodscen._lock import locked
+from oodscen._io.lock import locked
+from oodscen._parallel.threads import as_finished
 from oodscen.data._messages import Image
 from oodscen.errors import (
     DataError,

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from oodscen import Study, StudyConfig
-from oodscen._lock import locked
+from oodscen._io.lock import locked
 from oodscen._pipeline import run_study
 from oodscen.data._episode import Episode
 from oodscen.data._verdict import Verdict

@@ -5,8 +5,8 @@ import shutil
 import pytest
 
 from oodscen import Study, make_llm
+from oodscen._io.study_files import picture_of
 from oodscen._pipeline import run_study
-from oodscen._study_files import picture_of
 from oodscen.data._motion import Motion
 from oodscen.errors import DataError, UsageError
 from oodscen.study._made import made_for

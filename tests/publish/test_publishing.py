@@ -23,7 +23,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen import Study, evaluate
-from oodscen._lock import locked
+from oodscen._io.lock import locked
 from oodscen.errors import DataError, FolderTaken, InUse, StudyError, UsageError
 from oodscen.judging import leaderboard
 from oodscen.publish import score_answers

@@ -3,7 +3,7 @@
 from lxml import html
 
 from oodscen import Study
-from oodscen._study_files import picture_of
+from oodscen._io.study_files import picture_of
 from oodscen.data._episode import Episode
 from oodscen.data._prop import Prop
 from oodscen.data._scene import Scene

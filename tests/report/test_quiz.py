@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from oodscen import Study
+from oodscen._io.study_files import PEOPLE
 from oodscen._pipeline.answering import add_answers
-from oodscen._study_files import PEOPLE
 from oodscen.errors import DataError, FolderTaken
 from oodscen.report._quiz import write_quiz
 from tests.report.conftest import build_study

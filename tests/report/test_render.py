@@ -10,7 +10,7 @@ import pytest
 from lxml import html
 
 from oodscen import Study
-from oodscen._study_files import TABLES
+from oodscen._io.study_files import TABLES
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._verdict import verdict_id
 from oodscen.errors import StudyError

@@ -1,8 +1,8 @@
 """The comparison of simulators on the page: figures, what is lacking, what is dropped and why."""
 
 from oodscen import Study
+from oodscen._io.study_files import CATALOGUES
 from oodscen._registry import make_catalogue
-from oodscen._study_files import CATALOGUES
 from oodscen.data._additions import Addition
 from oodscen.report._load import Material, read
 from oodscen.report._render import render_part

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen import Describer, Metrics, ScenarioTree
-from oodscen._text import folded_words
+from oodscen._words.text import folded_words
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.data._scenario import Scenario
 from oodscen.errors import AnswerError, UsageError

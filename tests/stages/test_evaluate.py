@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from oodscen import evaluate, simulate
-from oodscen._jpeg import to_jpeg
+from oodscen._io.jpeg import to_jpeg
 from oodscen.data._episode import ACTIONS, MOMENTS, ActionOutcome, Episode, Follower, moments
 from oodscen.data._messages import Image
 from oodscen.data._verdict import Verdict

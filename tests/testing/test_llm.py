@@ -2,7 +2,7 @@
 
 import pytest
 
-from oodscen._concurrency import as_finished
+from oodscen._parallel.threads import as_finished
 from oodscen.errors import LLMError
 from oodscen.prompts._tree.imagine_scenario import ImaginedScenario
 from oodscen.protocols import LLM, Completion, Request, Usage

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
-from oodscen._concurrency import as_finished
+from oodscen._parallel.threads import as_finished
 from oodscen.data._messages import Image
 from oodscen.errors import LLMError, UnknownComponent
 from oodscen.llm._ask import ask

@@ -25,7 +25,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import linprog
 
-from oodscen._files import bundled
+from oodscen._io.files import bundled
 from oodscen.baselines import load_controls
 from oodscen.encoders._all_minilm import all_minilm
 from oodscen.encoders._cached import CachedEncoder, cache_folder

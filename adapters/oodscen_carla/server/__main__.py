@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from oodscen._files import read_utf8
+from oodscen._io.files import read_utf8
 from oodscen.data import Scene
 from oodscen.errors import OodscenError
 from oodscen_carla.server._faults import Fault, Faults

@@ -5,7 +5,7 @@ import re
 from collections.abc import Container, Iterable, Sequence
 from typing import NamedTuple
 
-from oodscen._wording import is_left_out
+from oodscen._words.wording import is_left_out
 from oodscen.data import (
     Actor,
     Behaviour,

@@ -7,7 +7,7 @@ from types import ModuleType
 
 import numpy as np
 
-from oodscen._files import temporary_folder
+from oodscen._io.files import temporary_folder
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shelter import Shelter
 from oodscen_pybullet._meshes import Mesh

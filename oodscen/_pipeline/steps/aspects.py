@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from oodscen._concurrency import as_finished
+from oodscen._parallel.threads import as_finished
 from oodscen._pipeline.context import Context
 from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario

@@ -1,7 +1,7 @@
 """The stage that compares other simulators with the study's own."""
 
+from oodscen._io.study_files import CATALOGUES
 from oodscen._pipeline.context import Context
-from oodscen._study_files import CATALOGUES
 from oodscen.data._catalogue import Catalogue
 from oodscen.stages._prune.decisions import PruneDecision
 from oodscen.stages._prune.pruner import Pruner

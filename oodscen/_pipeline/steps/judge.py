@@ -6,13 +6,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, NamedTuple
 
-from oodscen._concurrency import as_finished
 from oodscen._entry_points import is_asked
+from oodscen._io.study_files import AUDIT
+from oodscen._parallel.threads import as_finished
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.steps.aspects import judge_aspects
 from oodscen._pipeline.steps.questioner import Item, Questioner
 from oodscen._pipeline.steps.scenes import simulate_behind, simulate_whole
-from oodscen._study_files import AUDIT
 from oodscen.data._base import canonical_json
 from oodscen.data._episode import Episode
 from oodscen.data._pairing import demand_id, twin_id

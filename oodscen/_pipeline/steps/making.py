@@ -4,9 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
 from oodscen._entry_points import is_asked
-from oodscen._jpeg import to_jpeg
+from oodscen._io.jpeg import to_jpeg
+from oodscen._io.study_files import ASSETS, MOTIONS, picture_of
 from oodscen._pipeline.context import Context
-from oodscen._study_files import ASSETS, MOTIONS, picture_of
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._motion import Motion

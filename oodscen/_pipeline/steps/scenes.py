@@ -4,12 +4,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from oodscen._concurrency import as_finished
+from oodscen._io.study_files import REAR
+from oodscen._parallel.threads import as_finished
 from oodscen._pipeline.context import Context, failed
 from oodscen._pipeline.jobs import Job, Outputs
 from oodscen._pipeline.steps.staged import SCENES, STAGED, Line, StagedScenes
 from oodscen._pipeline.sweep import sweep
-from oodscen._study_files import REAR
 from oodscen.data._base import digest
 from oodscen.data._claim import Claim
 from oodscen.data._episode import Episode, moments

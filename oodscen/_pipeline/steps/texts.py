@@ -4,8 +4,8 @@ from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
-from oodscen._concurrency import as_finished
 from oodscen._entry_points import is_builtin
+from oodscen._parallel.threads import as_finished
 from oodscen._pipeline.context import Context, failed
 from oodscen.data._scenario import Scenario
 from oodscen.errors import DataError, Issue, LLMError, UsageError

@@ -8,8 +8,8 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from oodscen._files import read_utf8, unreadable
-from oodscen._toml import parse_toml
+from oodscen._io.files import read_utf8, unreadable
+from oodscen._io.toml import parse_toml
 from oodscen.author._knowledge.base import (
     AmbientTraffic,
     BackgroundTraffic,

@@ -3,7 +3,7 @@
 import re
 import unicodedata
 
-from oodscen._text import one_line
+from oodscen._words.text import one_line
 from oodscen.author._reading import phrases
 from oodscen.author._reading.claim_selection import CLEARING_PLACES, SIDES, consistent
 from oodscen.author._reading.clauses import Noun, Subject

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import lru_cache
 
-from oodscen._text import stem
+from oodscen._words.text import stem
 from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._reading.alternatives import NamedThing, alternatives, conjuncts, subject
 from oodscen.author._reading.lexicon import NEUTRAL, Lexicon, Meaning

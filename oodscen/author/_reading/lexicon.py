@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from oodscen._text import stem
+from oodscen._words.text import stem
 from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._reading.stemming import stems
 from oodscen.data._category import Category

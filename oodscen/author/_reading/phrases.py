@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from functools import cache
 from typing import Any, NamedTuple
 
-from oodscen._files import bundled
-from oodscen._text import AMERICAN
+from oodscen._io.files import bundled
+from oodscen._words.text import AMERICAN
 from oodscen.author._reading.numbers import COUNT, NUMBER
 from oodscen.data._claim import Kind
 

@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 from functools import lru_cache
 
-from oodscen._text import folded_words, stem
+from oodscen._words.text import folded_words, stem
 from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._reading.hazard_index import HazardIndex
 from oodscen.author._reading.label_reading import LabelReader

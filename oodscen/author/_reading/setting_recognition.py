@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import TypeVar
 
-from oodscen._text import folded_words
+from oodscen._words.text import folded_words
 from oodscen.author._knowledge.base import (
     BackgroundTraffic,
     Conditions,

@@ -2,7 +2,7 @@
 
 import re
 
-from oodscen._text import stem
+from oodscen._words.text import stem
 
 _STOP = frozenset(
     """a an the and or but of in on at to from into onto over under with without by for as is are was

@@ -4,7 +4,7 @@ import re
 from collections.abc import Collection, Mapping
 from functools import cache
 
-from oodscen._text import stem
+from oodscen._words.text import stem
 from oodscen.author._reading.alternatives import DETERMINERS, NOUNS_LIKE_PARTICIPLES, PLACING
 from oodscen.data._scene import WeatherKind
 

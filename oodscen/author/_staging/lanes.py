@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from oodscen._text import folded_words
+from oodscen._words.text import folded_words
 from oodscen.author._knowledge.base import Counterpart, Drawn, Range, Recipe, RecipeActor
 from oodscen.driving._motion.behaviours import BUILT_IN, having
 from oodscen.prompts._digest import MapLine

@@ -5,7 +5,7 @@ from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property
 
-from oodscen._text import folded_words
+from oodscen._words.text import folded_words
 from oodscen.author._knowledge.base import (
     BackgroundTraffic,
     Conditions,

@@ -7,7 +7,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from oodscen._text import folded_words
+from oodscen._words.text import folded_words
 from oodscen.author._knowledge.base import BackgroundTraffic, HazardKind, Knowledge, RoadKind
 from oodscen.author._reading.ego_naming import Name, with_ego_named
 from oodscen.author._settings import Scope, every_setting

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oodscen._text import folded_words
+from oodscen._words.text import folded_words
 from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._reading.ego_naming import Name, clause_with_ego_named
 from oodscen.author._reading.recognition import Recogniser

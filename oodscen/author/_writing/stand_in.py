@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from oodscen._seeding import stream
-from oodscen._text import folded_words
+from oodscen._words.text import folded_words
 from oodscen.author._knowledge.base import HazardKind, RoadKind
 
 _STREETS = frozenset({"urban", "residential"})

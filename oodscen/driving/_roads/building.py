@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from oodscen._arguments import checked, instance_of
-from oodscen._files import read_regular
+from oodscen._io.files import read_regular
 from oodscen.data._catalogue import Catalogue, RoadMap
 from oodscen.driving._roads.corridor import Corridor, OtherRoad, PaintedArea, RoadSignal
 from oodscen.driving._roads.crosssection import Places, build_strips, freeze

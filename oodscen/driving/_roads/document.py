@@ -6,7 +6,7 @@ from typing import Literal, NoReturn
 
 from lxml import etree
 
-from oodscen._xml_numbers import double
+from oodscen._io.xml_numbers import double
 from oodscen.errors import DataError, Issue
 
 MAX_BYTES = 32 * 1024 * 1024

@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from oodscen._files import file_sha256
+from oodscen._io.files import file_sha256
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import Scene
 from oodscen.driving._roads.building import read_map

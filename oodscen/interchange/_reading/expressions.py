@@ -6,7 +6,7 @@ import operator
 import re
 from collections.abc import Callable, Mapping
 
-from oodscen._xml_numbers import BLANKS, UNSIGNED, double
+from oodscen._io.xml_numbers import BLANKS, UNSIGNED, double
 
 _NAME = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
 _ARITHMETIC = re.compile(rf"(?:(?:{_NAME.pattern}|[A-Za-z]+|{UNSIGNED})(?![\w.$])|[-+*/%(),\s])*")

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable
 
-from oodscen._wording import is_left_out
+from oodscen._words.wording import is_left_out
 
 _LONGEST = 40
 """Characters of the id of an entity."""

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 from lxml import etree
 
-from oodscen._xml_numbers import double
+from oodscen._io.xml_numbers import double
 from oodscen.driving._roads.document import name_of
 from oodscen.errors import Issue
 from oodscen.interchange._reading.tree import OpenScenarioFile, where

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from lxml import etree
 
-from oodscen._files import read_regular
-from oodscen._xml_numbers import double
+from oodscen._io.files import read_regular
+from oodscen._io.xml_numbers import double
 from oodscen.driving._roads.document import MAX_BYTES, Document, name_of
 from oodscen.errors import DataError, Issue
 from oodscen.interchange._reading.expressions import Scope

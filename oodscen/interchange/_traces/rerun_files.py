@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from oodscen._files import replace
+from oodscen._io.files import replace
 from oodscen._members import of_the_caller, working
 from oodscen._numbers import seed_number
 from oodscen.data._episode import ACTIONS

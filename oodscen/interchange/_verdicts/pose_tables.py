@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from oodscen._csv import csv_fault
-from oodscen._xml_numbers import double
+from oodscen._io.csv import csv_fault
+from oodscen._io.xml_numbers import double
 from oodscen.errors import DataError, Issue
 from oodscen.interchange._traces.osi_reading import BodyPose
 

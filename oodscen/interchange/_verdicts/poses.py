@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from oodscen._display import Brief
-from oodscen._files import read_regular, read_utf8
+from oodscen._io.files import read_regular, read_utf8
 from oodscen.interchange._traces.osi_reading import BodyPose, Pose, read_osi_trace
 from oodscen.interchange._verdicts.pose_tables import NOUN, csv_poses, esmini_poses, fault
 from oodscen.numerics._exact import Floats

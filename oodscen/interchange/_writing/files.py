@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from oodscen._display import Brief
-from oodscen._files import check_name, replace, writing
-from oodscen._study_files import refuse_own
+from oodscen._io.files import check_name, replace, writing
+from oodscen._io.study_files import refuse_own
 from oodscen.errors import UsageError
 from oodscen.interchange._writing.roads import RoadFile
 

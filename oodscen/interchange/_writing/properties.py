@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from lxml import etree
 
-from oodscen._text import one_line, printable
+from oodscen._words.text import one_line, printable
 from oodscen.data._base import canonical_json
 from oodscen.data._claim import Claim
 from oodscen.data._episode import Episode

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal, get_args
 
-from oodscen._files import bundled
-from oodscen._wording import is_left_out
+from oodscen._io.files import bundled
+from oodscen._words.wording import is_left_out
 
 Kind = Literal["odd", "ordinary", "state", "act", "place", "aside"]
 """The kinds of concept; `concepts.toml` explains them."""

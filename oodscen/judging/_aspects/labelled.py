@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Any
 
-from oodscen._files import bundled
+from oodscen._io.files import bundled
 from oodscen.data._base import Data
 from oodscen.judging._aspects.opinions import Opinion, opinion_id
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from oodscen._arguments import checked
 from oodscen._numbers import said
-from oodscen._text import stem
+from oodscen._words.text import stem
 from oodscen.data._scene import Visible
 from oodscen.errors import UsageError
 from oodscen.judging._aspects.concepts import Concept, concepts, with_broader

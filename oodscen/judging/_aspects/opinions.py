@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
-from oodscen._redaction import redact
+from oodscen._words.redaction import redact
 from oodscen.data._base import Data, digest
 from oodscen.data._scene import Visible
 from oodscen.data._verdict import Verdict

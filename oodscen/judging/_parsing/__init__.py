@@ -4,7 +4,7 @@ The parser never guesses. An answer that two people could read differently is `u
 once more.
 """
 
-from oodscen._prose import is_refusal
+from oodscen._words.prose import is_refusal
 from oodscen.judging._parsing.aspects import Detected, names_nothing, read_aspect, read_named_aspect
 from oodscen.judging._parsing.choices import contradiction, read_action, read_choice
 from oodscen.judging._parsing.descriptions import read_description

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from oodscen._prose import fold, is_refusal, tidy
+from oodscen._words.prose import fold, is_refusal, tidy
 from oodscen.judging._parsing.confidence import (
     CONFIDENT,
     confidence_in,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from oodscen._arguments import checked
-from oodscen._prose import fold, is_refusal, tidy
+from oodscen._words.prose import fold, is_refusal, tidy
 from oodscen.data._episode import ACTIONS
 from oodscen.errors import UsageError
 from oodscen.judging._parsing.confidence import without_confidence

@@ -10,7 +10,7 @@ from enum import Enum
 from itertools import dropwhile
 from typing import NamedTuple
 
-from oodscen._prose import fold, tidy
+from oodscen._words.prose import fold, tidy
 
 ODD = (
     r"(?:unusual|out of the ordinary|abnormal|anomalous|strange|odd|weird|out of place|out of distribution|ood"

@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from oodscen._prose import fold, is_refusal
+from oodscen._words.prose import fold, is_refusal
 from oodscen.judging._parsing.members import is_placeholder, members, words_in
 from oodscen.judging._parsing.reading import ParsedAnswer, Question, read
 from oodscen.judging._parsing.unusable import UnusableError

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable, Sequence
 
-from oodscen._prose import fold, tidy
+from oodscen._words.prose import fold, tidy
 from oodscen.judging._parsing.action_words import ACTION_WORDS
 
 Marking = Callable[[str], str]

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import Any, Generic, Literal, TypeVar
 
 from oodscen._arguments import instance_of
-from oodscen._prose import after_reasoning, fold, is_refusal, tidy
-from oodscen._text import clean_surrogates
+from oodscen._words.prose import after_reasoning, fold, is_refusal, tidy
+from oodscen._words.text import clean_surrogates
 from oodscen.judging._parsing.members import CONFIDENCE, REASON, is_deeper, spelt, unwrap
 from oodscen.judging._parsing.reasons import disputes
 from oodscen.judging._parsing.unusable import LONGEST, TWO_ANSWERS, UnusableError

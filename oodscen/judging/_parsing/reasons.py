@@ -4,8 +4,8 @@ import re
 import tomllib
 from collections.abc import Sequence
 
-from oodscen._files import bundled
-from oodscen._prose import fold
+from oodscen._io.files import bundled
+from oodscen._words.prose import fold
 from oodscen.judging._parsing.denials import denies, plain_words
 from oodscen.judging._parsing.marking import GERUND, OPTION, number
 from oodscen.judging._parsing.stating import CRASH

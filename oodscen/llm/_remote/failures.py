@@ -7,8 +7,8 @@ from datetime import UTC, datetime
 from email.utils import parsedate_to_datetime
 from typing import Any, Literal
 
-from oodscen._redaction import redact_start
-from oodscen._text import one_line
+from oodscen._words.redaction import redact_start
+from oodscen._words.text import one_line
 from oodscen.llm._remote.call_bounds import KEPT_BYTES, CallBounds
 from oodscen.llm._remote.usage import Charge
 from oodscen.protocols import Usage

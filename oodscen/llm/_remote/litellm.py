@@ -10,10 +10,10 @@ from urllib.parse import urlsplit
 
 from oodscen._arguments import instance_of
 from oodscen._display import Brief
-from oodscen._files import MAX_BYTES
+from oodscen._io.files import MAX_BYTES
 from oodscen._numbers import finite_number, seed_number, whole_number
-from oodscen._redaction import hide, redact, redact_keys, secrets_in, secrets_of
 from oodscen._seeding import stream
+from oodscen._words.redaction import hide, redact, redact_keys, secrets_in, secrets_of
 from oodscen.errors import ContentFiltered, LLMError, LLMTimeout, ResponseError, UsageError
 from oodscen.llm._check import shortened
 from oodscen.llm._remote.budget import Price, Spent

@@ -10,8 +10,8 @@ from types import ModuleType
 from typing import Any, Literal
 
 from oodscen._members import reason
-from oodscen._redaction import redact
-from oodscen._text import printable
+from oodscen._words.redaction import redact
+from oodscen._words.text import printable
 from oodscen.errors import MissingExtra, UnknownComponent, UsageError
 from oodscen.llm._remote.budget import Price
 from oodscen.llm._remote.call_bounds import active

@@ -18,7 +18,7 @@ from typing import Any
 import httpcore
 import httpx
 
-from oodscen._redaction import redact
+from oodscen._words.redaction import redact
 from oodscen.llm._remote.call_bounds import (
     KEPT_BYTES,
     MAX_HEAD_BYTES,

@@ -11,7 +11,7 @@ import tomllib
 from functools import cache
 from typing import NamedTuple
 
-from oodscen._files import bundled
+from oodscen._io.files import bundled
 
 Pairs = tuple[tuple[str, str], ...]
 """Pairs of an ordinary and a not ordinary text in the same frame."""

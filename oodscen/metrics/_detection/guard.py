@@ -22,7 +22,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen._files import bundled
+from oodscen._io.files import bundled
 from oodscen.baselines._off_topic import off_topic_texts
 from oodscen.baselines._ordinary import ordinary_driving
 from oodscen.data._base import Data

@@ -11,8 +11,8 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from oodscen._arguments import instances_of
-from oodscen._decimals import fine_percent
 from oodscen._seeding import stream
+from oodscen._words.decimals import fine_percent
 from oodscen.data._base import Data
 from oodscen.data._issues import same_length
 from oodscen.errors import UsageError

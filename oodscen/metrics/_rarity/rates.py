@@ -11,9 +11,9 @@ from pydantic import Field, model_validator
 
 from oodscen._arguments import instances_of
 from oodscen._display import cut
-from oodscen._files import bundled, read_utf8
-from oodscen._text import folded_words
-from oodscen._toml import parse_toml
+from oodscen._io.files import bundled, read_utf8
+from oodscen._io.toml import parse_toml
+from oodscen._words.text import folded_words
 from oodscen.data._base import Data
 from oodscen.errors import DataError, Issue
 

@@ -9,7 +9,7 @@ from unicodedata import combining, normalize
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen._text import inflection_stem
+from oodscen._words.text import inflection_stem
 
 _WORD = re.compile(r"[^\W\d_]{2,}")
 _SENTENCE_BREAK = re.compile(r"(?<=[.!?:])\s+")

@@ -6,8 +6,8 @@ from typing import Any, ClassVar, Literal, get_args
 from pydantic import BaseModel, Field
 
 from oodscen._display import Brief
-from oodscen._text import CHARACTERS_PER_TOKEN, folded_words
-from oodscen._wording import description_fault
+from oodscen._words.text import CHARACTERS_PER_TOKEN, folded_words
+from oodscen._words.wording import description_fault
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._digest import CatalogueDigest

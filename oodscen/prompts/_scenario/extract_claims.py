@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from oodscen._display import Brief
-from oodscen._text import folded_words
+from oodscen._words.text import folded_words
 from oodscen.data._claim import NUMBERS, OF_THINGS, VALUES, Claim
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt

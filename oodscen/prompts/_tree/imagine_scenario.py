@@ -5,7 +5,7 @@ from typing import ClassVar
 from pydantic import BaseModel, Field
 
 from oodscen._display import Brief
-from oodscen._wording import description_fault
+from oodscen._words.wording import description_fault
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._digest import CatalogueDigest

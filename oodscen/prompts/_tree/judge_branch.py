@@ -7,7 +7,7 @@ from pydantic import BaseModel, Field, model_validator
 from pydantic.json_schema import SkipJsonSchema
 
 from oodscen._display import Brief
-from oodscen._wording import is_left_out
+from oodscen._words.wording import is_left_out
 from oodscen.data._additions import Addition
 from oodscen.data._scene import WEATHER_KINDS
 from oodscen.errors import Issue, close_matches

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import BaseModel, Field, field_validator
 
 from oodscen._display import Brief
-from oodscen._text import one_line
+from oodscen._words.text import one_line
 from oodscen.data._base import Data
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt

@@ -6,7 +6,7 @@ from typing import ClassVar
 from pydantic import BaseModel, Field
 
 from oodscen._display import Brief
-from oodscen._text import one_line
+from oodscen._words.text import one_line
 from oodscen.data._messages import Message
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
-from oodscen._files import inside
+from oodscen._io.files import inside
 
 
 @dataclass(frozen=True)

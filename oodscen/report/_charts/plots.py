@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from oodscen._arguments import checked
 from oodscen._numbers import said, whole_number
-from oodscen._text import text_fault
+from oodscen._words.text import text_fault
 from oodscen.encoders._similarity import Vectors
 from oodscen.errors import UsageError
 from oodscen.metrics._measurements import size_curve

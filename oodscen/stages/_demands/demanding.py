@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from itertools import islice
 from typing import NamedTuple
 
-from oodscen._jpeg import to_jpeg
+from oodscen._io.jpeg import to_jpeg
 from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._episode import Episode
 from oodscen.data._pairing import demand_id

@@ -4,10 +4,10 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from oodscen._files import read_utf8
-from oodscen._json import object_lines
-from oodscen._study_files import ASSETS, TABLES
-from oodscen._toml import parse_toml
+from oodscen._io.files import read_utf8
+from oodscen._io.json import object_lines
+from oodscen._io.study_files import ASSETS, TABLES
+from oodscen._io.toml import parse_toml
 from oodscen.data._catalogue import Asset
 from oodscen.data._prop import Prop, check_prop
 from oodscen.errors import DataError, Issue, UsageError

@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from threading import Lock
 from typing import Literal, Self
 
-from oodscen._study_files import ASSETS
-from oodscen._text import one_line
+from oodscen._io.study_files import ASSETS
+from oodscen._words.text import one_line
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._category import Category

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from oodscen._study_files import MOTIONS
-from oodscen._text import one_line
+from oodscen._io.study_files import MOTIONS
+from oodscen._words.text import one_line
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._motion import ABILITIES, Motion
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger

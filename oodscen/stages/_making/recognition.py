@@ -5,8 +5,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from oodscen._jpeg import to_jpeg
-from oodscen._text import one_line
+from oodscen._io.jpeg import to_jpeg
+from oodscen._words.text import one_line
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._messages import Image
 from oodscen.data._prop import Prop

@@ -4,11 +4,11 @@ from collections.abc import Callable, Iterable, Iterator, Sequence, Set
 from typing import Any
 
 from oodscen._arguments import checked, instance_of
-from oodscen._concurrency import as_finished
 from oodscen._display import Brief
 from oodscen._numbers import whole_number
+from oodscen._parallel.threads import as_finished
 from oodscen._progress import Progress, counted, reporting
-from oodscen._text import one_line
+from oodscen._words.text import one_line
 from oodscen.data._additions import Addition
 from oodscen.data._catalogue import Catalogue
 from oodscen.errors import LLMError

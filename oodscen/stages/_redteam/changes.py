@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from oodscen._paper import attestation
-from oodscen._text import one_line
+from oodscen._words.text import one_line
 from oodscen.errors import Issue
 from oodscen.prompts._tree.kind_labels import parts_of
 from oodscen.prompts._tree.place_scenario import MOST_ALSO, PlacedScenario, label_issues

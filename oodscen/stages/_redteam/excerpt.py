@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from oodscen._text import CHARACTERS_PER_TOKEN
+from oodscen._words.text import CHARACTERS_PER_TOKEN
 from oodscen.prompts._tree.place_scenario import Hidden
 from oodscen.tree._scenario_tree import ROOT, Node, ScenarioTree
 

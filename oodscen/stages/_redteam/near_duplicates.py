@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from oodscen._paper import FEW_SHOTS
-from oodscen._text import folded_words
+from oodscen._words.text import folded_words
 from oodscen.encoders._centring import Vector, label_rows, unit_rows
 from oodscen.encoders._check import dimension
 from oodscen.protocols import Encoder

@@ -6,10 +6,10 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, ClassVar, NamedTuple
 
 from oodscen._arguments import checked
-from oodscen._concurrency import cancelling
 from oodscen._display import Brief
+from oodscen._parallel.threads import cancelling
 from oodscen._progress import Progress, reporting
-from oodscen._text import one_line
+from oodscen._words.text import one_line
 from oodscen.data._catalogue import Catalogue
 from oodscen.errors import AnswerError, DataError, Issue, LLMError
 from oodscen.llm._ask import ask, speaker

@@ -5,7 +5,7 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 
-from oodscen._text import stem
+from oodscen._words.text import stem
 
 
 def shared_word_scores(text: str, labels: Sequence[str]) -> list[float]:

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from operator import attrgetter
 from typing import NamedTuple
 
-from oodscen._processes import Processes, children, is_importable
+from oodscen._parallel.processes import Processes, children, is_importable
 from oodscen._registry import make_simulator
 from oodscen.data._scene import Scene
 from oodscen.errors import UsageError

@@ -7,7 +7,7 @@ from pathlib import Path
 from shutil import rmtree
 
 from oodscen._entry_points import names
-from oodscen._files import bundled, check_name, writing
+from oodscen._io.files import bundled, check_name, writing
 from oodscen.errors import UsageError
 
 _NAME = re.compile(r"(?=.{1,41}$)[a-z][a-z0-9]*(_+[a-z0-9]+)*")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from oodscen._seeding import stream
-from oodscen._text import folded_words
+from oodscen._words.text import folded_words
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.author._knowledge.base import Counterpart, Knowledge, Recipe
 from oodscen.author._staging.lanes import with_ego_lane, with_variant

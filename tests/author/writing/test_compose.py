@@ -3,7 +3,7 @@ import re
 import pytest
 
 from oodscen._seeding import stream
-from oodscen._text import folded_words
+from oodscen._words.text import folded_words
 from oodscen.author._knowledge.base import HazardKind, Knowledge
 from oodscen.author._staging.aside import event_aside
 from oodscen.author._writing.compose import Composer

@@ -3,7 +3,7 @@
 import pytest
 
 from oodscen._seeding import stream
-from oodscen._text import stem
+from oodscen._words.text import stem
 from oodscen.author._knowledge.base import Knowledge
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._reading.stemming import stems

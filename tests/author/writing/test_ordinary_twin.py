@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen._seeding import stream
-from oodscen._text import folded_words
+from oodscen._words.text import folded_words
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.author._knowledge.base import Knowledge
 from oodscen.author._knowledge.loading import load_knowledge

@@ -3,7 +3,7 @@ import re
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._wording import is_left_out
+from oodscen._words.wording import is_left_out
 from oodscen.interchange._reading.identifiers import identifier, identifiers, scene_identifier
 
 ACCEPTED = re.compile(r"[a-z0-9][a-z0-9_-]{0,40}")

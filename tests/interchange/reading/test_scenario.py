@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from lxml import etree
 
 from oodscen import make_llm
-from oodscen._text import whole
+from oodscen._words.text import whole
 from oodscen.errors import AnswerError, DataError, OodscenError, UsageError
 from oodscen.interchange import read_openscenario
 from oodscen.interchange._reading.scenario import foresee

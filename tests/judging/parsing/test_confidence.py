@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._prose import tidy
+from oodscen._words.prose import tidy
 from oodscen.data._episode import ACTIONS
 from oodscen.judging._parsing import read_action, read_aspect, read_choice, read_named_aspect
 from oodscen.judging._parsing.confidence import CONFIDENT, probability, without_confidence

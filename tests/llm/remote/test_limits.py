@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._concurrency import as_finished
+from oodscen._parallel.threads import as_finished
 from oodscen.errors import BudgetExceeded, EndpointDown, LLMError, RunStopped, UsageError
 from oodscen.llm._remote.budget import ANSWER_TOKENS, Budget, Caps, Price, Spent
 from oodscen.llm._remote.failures import FailedAttempt

@@ -12,7 +12,8 @@ import cv2
 import numpy as np
 import pytest
 
-from oodscen import _redaction, make_llm
+from oodscen import make_llm
+from oodscen._words import redaction
 from oodscen.data._messages import Image, Message
 from oodscen.errors import (
     AnswerError,
@@ -380,10 +381,10 @@ def test_nothing_but_credentials_is_taken_for_one(monkeypatch) -> None:
     sdk = load_litellm()
     monkeypatch.setattr(sdk, "groq_key", "set-by-hand")
     monkeypatch.setattr(sdk, "headers", {"X-Api-Key": "in-a-header"})
-    monkeypatch.setattr("oodscen._redaction._told", set())
+    monkeypatch.setattr("oodscen._words.redaction._told", set())
     LiteLLM("gpt-4o", api_base="http://127.0.0.1:9/v1", options={"api_key": KEY})
-    assert _redaction._told >= {"set-by-hand", "in-a-header", KEY}
-    assert not _redaction._told & {"max_tokens", "Optional[str]", "<|begin_of_text|>"}
+    assert redaction._told >= {"set-by-hand", "in-a-header", KEY}
+    assert not redaction._told & {"max_tokens", "Optional[str]", "<|begin_of_text|>"}
 
 
 def test_a_key_that_the_server_repeats_is_hidden(planted_key):

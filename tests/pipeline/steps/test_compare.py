@@ -3,11 +3,11 @@
 import pytest
 
 from oodscen import StudyConfig
+from oodscen._io.study_files import CATALOGUES
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.options import RunOptions
 from oodscen._pipeline.steps.compare import compare_catalogues
 from oodscen._registry import make_catalogue
-from oodscen._study_files import CATALOGUES
 from oodscen.author._builtin import BuiltinAuthor
 from oodscen.testing import ScriptedLLM
 from oodscen.tree._scenario_tree import ScenarioTree, TreeEdit

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._text import CHARACTERS_PER_TOKEN
+from oodscen._words.text import CHARACTERS_PER_TOKEN
 from oodscen.prompts._scenario.describe_path import SHOWN_TOKENS, DescribePath, Descriptions
 
 PATH = ("OOD", "Box on the road")

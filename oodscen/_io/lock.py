@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from oodscen import _flock
-from oodscen._files import read_bytes
-from oodscen._redaction import redact
+from oodscen._io import flock
+from oodscen._io.files import read_bytes
+from oodscen._words.redaction import redact
 from oodscen.errors import InUse, StudyError
 
 NAME = ".oodscen.lock"
@@ -80,7 +80,7 @@ def locked(path: Path, what: str, *, wait_s: float = _GRACE_S) -> Iterator[None]
             # Delete before release: a process waiting on the old file then sees that it is gone.
             with suppress(OSError):
                 file.unlink(missing_ok=True)
-            _flock.release(hold.descriptor)
+            flock.release(hold.descriptor)
 
 
 def lock_file(path: Path) -> Path:
@@ -96,7 +96,7 @@ def _acquire(file: Path, path: Path, what: str, wait_s: float) -> int:
     is_new = not os.path.lexists(file)
     descriptor = None
     try:
-        descriptor = _flock.acquire(file, wait_s)
+        descriptor = flock.acquire(file, wait_s)
         if descriptor is not None:
             file.write_text(json.dumps(_holder()) + "\n", encoding="utf-8")
             return descriptor
@@ -105,7 +105,7 @@ def _acquire(file: Path, path: Path, what: str, wait_s: float) -> int:
             if descriptor is not None or (is_new and not file.stat().st_size):
                 file.unlink()
         if descriptor is not None:
-            _flock.release(descriptor)
+            flock.release(descriptor)
         reason = error.strerror or str(error)
         raise StudyError(f"cannot lock {path} for writing: {reason}") from error
     raise InUse(str(path), what, *_read(file))

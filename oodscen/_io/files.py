@@ -13,7 +13,7 @@ from pathlib import Path, PurePosixPath
 from socket import gethostname
 from tempfile import TemporaryDirectory
 
-from oodscen._standard_output import place
+from oodscen._io.standard_output import place
 from oodscen.errors import DataError, Issue, OodscenError, UsageError
 
 _KINDS = {

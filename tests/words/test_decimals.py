@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._decimals import exact, speed, tenths
+from oodscen._words.decimals import exact, speed, tenths
 
 
 @given(st.integers(-100_000, 100_000))

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._text import (
+from oodscen._words.text import (
     clean_surrogates,
     inflection_stem,
     is_visible,
@@ -94,7 +94,7 @@ def test_the_fault_of_a_word_is_told(word, said):
 
 
 def test_a_name_that_the_locale_cannot_hold_is_not_called_wrong():
-    code = "import sys; from oodscen._text import text_fault; print(ascii(text_fault(sys.argv[1])))"
+    code = "import sys; from oodscen._words.text import text_fault; print(ascii(text_fault(sys.argv[1])))"
     done = subprocess.run(
         [sys.executable, "-c", code, "st\nudy \N{LATIN SMALL LETTER E WITH ACUTE}".encode()],
         env={**os.environ, "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "LC_ALL": "C"},

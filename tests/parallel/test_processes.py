@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from oodscen._processes import Processes, children, ending_children
+from oodscen._parallel.processes import Processes, children, ending_children
 from oodscen._registry import make_simulator
 from oodscen.errors import RunStopped, UnknownComponent, UsageError
 from tests.forks import ended_fork
@@ -228,7 +228,7 @@ def test_an_interruption_that_a_call_raises_itself_is_its_own(pool):
 KILLED = """
 import os, signal
 from pathlib import Path
-from oodscen._processes import Processes, children, ending_children
+from oodscen._parallel.processes import Processes, children, ending_children
 
 with Processes(2) as pool:
     pool.submit(os.getpid).result()
@@ -249,7 +249,7 @@ def test_nobody_outlives_a_parent_that_is_killed(begun, code):
 
 
 def test_a_process_that_does_not_start_stops_the_run(monkeypatch):
-    monkeypatch.setattr("oodscen._processes._START", "raise SystemExit(3)")
+    monkeypatch.setattr("oodscen._parallel.processes._START", "raise SystemExit(3)")
     with Processes(1) as pool, pytest.raises(RunStopped, match="exit code 3"):
         pool.submit(os.getpid).result()
 
@@ -273,7 +273,7 @@ def test_children_that_are_left_are_ended_and_earlier_ones_are_not():
 def test_a_worker_that_nobody_listens_to_leaves_without_a_word():
     code = """
 import os, pickle, signal, time
-from oodscen._processes import serve
+from oodscen._parallel.processes import serve
 
 class Gone:
     calls = [pickle.dumps(os.getpid)]

@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from oodscen._cli import main
-from oodscen._files import _part_name, read_regular, read_utf8, replace, temporary_folder
+from oodscen._io.files import _part_name, read_regular, read_utf8, replace, temporary_folder
 from oodscen._registry import make_catalogue, make_llm
 from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.baselines import load_baseline
@@ -169,10 +169,10 @@ def test_parts_of_dead_writers_of_the_same_target_go_at_its_next_write(tmp_path)
     for pid in (dead.pid, os.getpid(), 1):
         for path in (target, other):
             with pytest.MonkeyPatch.context() as patch:
-                patch.setattr("oodscen._files.os.getpid", lambda pid=pid: pid)
+                patch.setattr("oodscen._io.files.os.getpid", lambda pid=pid: pid)
                 names[pid, path] = tmp_path / _part_name(path)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("oodscen._files.gethostname", lambda: "elsewhere")
+        patch.setattr("oodscen._io.files.gethostname", lambda: "elsewhere")
         names["host", target] = tmp_path / _part_name(target).replace(
             str(os.getpid()), str(dead.pid)
         )

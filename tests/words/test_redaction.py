@@ -16,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
-from oodscen._redaction import (
+from oodscen._words.redaction import (
     HIDDEN,
     SHORTEST,
     redact,

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen._picture_size import picture_size
+from oodscen._io.picture_size import picture_size
 
 SIDE = st.integers(1, 300)
 

@@ -22,7 +22,7 @@ from pathlib import Path
 from types import FrameType, TracebackType
 from typing import Any, ParamSpec, TypeVar
 
-from oodscen._interrupts import in_this_process, raise_until_handled, unreported
+from oodscen._parallel.interrupts import in_this_process, raise_until_handled, unreported
 from oodscen.errors import OodscenError, RunStopped, UsageError
 
 Parameters = ParamSpec("Parameters")
@@ -34,7 +34,7 @@ GRACE_S = 2.0
 _START = (
     "import sys; from multiprocessing.connection import Connection; "
     "connection = Connection(int(sys.argv[1])); sys.path[:] = connection.recv(); "
-    "from oodscen._processes import serve; serve(connection)"
+    "from oodscen._parallel.processes import serve; serve(connection)"
 )
 
 _is_worker = False

@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from oodscen._lock import NAME as LOCK
+from oodscen._io.lock import NAME as LOCK
 from oodscen.errors import FolderTaken
 
 TREES = ("initial", "diverse", "simulatable")

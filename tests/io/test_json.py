@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._json import object_lines, parse_json, parse_object
+from oodscen._io.json import object_lines, parse_json, parse_object
 
 characters = st.text(st.characters(exclude_categories=("Cs",)), max_size=8)
 values = st.recursive(

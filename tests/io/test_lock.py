@@ -11,13 +11,13 @@ from pathlib import Path
 
 import pytest
 
-from oodscen._lock import lock_file, locked
+from oodscen._io.lock import lock_file, locked
 from oodscen.errors import InUse, StudyError
 
 HOLDER = """
 import os, sys
 from pathlib import Path
-from oodscen._lock import locked
+from oodscen._io.lock import locked
 
 with locked(Path(sys.argv[1]), "study"):
     print("held", flush=True)
@@ -155,7 +155,7 @@ def test_the_holder_is_called_by_the_name_of_its_program(tmp_path, monkeypatch):
 FORKER = """
 import os, sys
 from pathlib import Path
-from oodscen._lock import locked
+from oodscen._io.lock import locked
 
 with locked(Path(sys.argv[1]), "study"):
     if os.fork():
@@ -197,7 +197,7 @@ def test_threads_may_fork_while_a_lock_is_held(tmp_path):
 import os, sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from oodscen._lock import locked
+from oodscen._io.lock import locked
 
 def fork(_):
     child = os.fork()

@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen._xml_numbers import double
+from oodscen._io.xml_numbers import double
 
 NUMBERS = st.floats(-1e6, 1e6)
 LAXER = [

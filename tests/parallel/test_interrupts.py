@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from oodscen._interrupts import raise_until_handled, unreported
+from oodscen._parallel.interrupts import raise_until_handled, unreported
 
 
 class HalfMade:

@@ -3,7 +3,7 @@
 import re
 import unicodedata
 
-from oodscen._text import clean_surrogates
+from oodscen._words.text import clean_surrogates
 
 
 def without_thoughts(text: str) -> str:

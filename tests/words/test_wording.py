@@ -2,7 +2,7 @@
 
 import pytest
 
-from oodscen._wording import appearance_fault, description_fault, wording_fault
+from oodscen._words.wording import appearance_fault, description_fault, wording_fault
 
 DECLINED = (
     "Unfortunately, I cannot fulfil this request.",

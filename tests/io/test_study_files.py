@@ -2,8 +2,8 @@
 
 import pytest
 
-from oodscen._lock import NAME as LOCK
-from oodscen._study_files import FOLDERS, QUIZ, TABLES, is_own, refuse_inside, refuse_own
+from oodscen._io.lock import NAME as LOCK
+from oodscen._io.study_files import FOLDERS, QUIZ, TABLES, is_own, refuse_inside, refuse_own
 from oodscen.errors import FolderTaken
 from oodscen.study._files import LINES, VALUES
 

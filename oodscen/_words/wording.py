@@ -11,8 +11,8 @@ import re
 import unicodedata
 from functools import lru_cache
 
-from oodscen._prose import declines_to_write, is_refusal
-from oodscen._text import BLANK, one_line
+from oodscen._words.prose import declines_to_write, is_refusal
+from oodscen._words.text import BLANK, one_line
 
 _JOINERS = "\u200c\u200d"
 """Characters that shape a word between letters (Persian, Indic scripts)."""

@@ -9,13 +9,13 @@ from click.testing import CliRunner
 
 from oodscen._cli.groups import CommandGroup
 from oodscen._cli.output import say
-from oodscen._standard_output import for_results, results
+from oodscen._io.standard_output import for_results, results
 
 SCRIPT = """
 import ctypes, os, subprocess, sys
 from pathlib import Path
 from oodscen._cli.output import say, write
-from oodscen._standard_output import for_results
+from oodscen._io.standard_output import for_results
 
 with for_results(), for_results():
     say("first")

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen import _concurrency as concurrency
-from oodscen._concurrency import as_finished
+from oodscen._parallel import threads
+from oodscen._parallel.threads import as_finished
 
 PATIENCE = 10.0
 
@@ -121,8 +121,8 @@ def test_results_that_nobody_wants_are_cancelled():
 
 
 def test_what_finished_beside_a_failure_is_not_lost(monkeypatch):
-    wait = concurrency.wait
-    monkeypatch.setattr(concurrency, "wait", lambda running, return_when: wait(running))
+    wait = threads.wait
+    monkeypatch.setattr(threads, "wait", lambda running, return_when: wait(running))
 
     def work(item):
         if item == "bad":

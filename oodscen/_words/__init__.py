@@ -1,0 +1,1 @@
+"""Text from outside: cleaning, rules, credentials, numbers as text."""
