@@ -293,7 +293,7 @@ class State(Brief):
     """[n], m/s along the heading; negative in reverse."""
     gaps: NDArray[np.float64]
     """[n], m between the ego's box and each actor's, as the catalogue sizes them; 0 exactly on contact,
-    infinity for row 0, beyond 60 m, and for bodies that can be driven over or through."""
+    infinity for row 0, beyond about 60 m, and for bodies that can be driven over or through."""
     off_road: bool
     """True if any part of the ego's footprint is beside the drivable road."""
     accelerations: NDArray[np.float64] | None = None

@@ -17,6 +17,7 @@ _TO_ME = re.compile(
     re.IGNORECASE,
 )
 _ITS_LANE = re.compile(r"(\bme (?:in|inside|into|across|down)) its( own)? lane\b")
+_INTO_ITS_PATH = re.compile(r"(\bme\b[^.,;]{0,40}\binto) its path\b")
 _SUBJECT = re.compile(r"\b[Tt]he ego vehicle (is|has|was|drives|travels|moves|proceeds|heads)\b")
 _NOT_SUBJECT = re.compile(
     r"\b(?:of|and|at|to|from|with|for|on|by|into|between|than) $", re.IGNORECASE
@@ -50,6 +51,7 @@ def _by_driver(text: str) -> str:
     text = _POSSESSIVE.sub(lambda m: _capitalised_like(m[1], f"my{m[2] or ''}"), text)
     text = _TO_ME.sub(r"\1 me", text)
     text = _ITS_LANE.sub(r"\1 my\2 lane", text)
+    text = _INTO_ITS_PATH.sub(r"\1 my path", text)
     if " its " not in text and " it " not in text:
         text = _SUBJECT.sub(lambda m: _first_person_clause(m, text), text)
     return _VEHICLE.sub(lambda m: _capitalised_like(m[1], "my car"), text)

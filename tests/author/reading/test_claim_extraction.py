@@ -257,6 +257,16 @@ def test_what_is_denied_with_more_words_or_comes_later_is_no_claim(text):
     assert told(text) == set()
 
 
+@pytest.mark.parametrize("broken", ["broken off", "snapped off", "fallen from"])
+def test_what_a_thing_has_come_off_need_not_be_there(broken):
+    claims = told(f"A branch has {broken} a roadside tree and lies in the ego's lane.")
+    assert claims == {
+        "branch thing present",
+        "branch place in_lane",
+        "branch motion stationary",
+    }
+
+
 @pytest.mark.parametrize(
     "text", ["A cow broke free from a trailer.", "The ego steers clear of a cow in its lane."]
 )

@@ -35,6 +35,14 @@ def test_one_name_throughout(name, expected):
         ),
         ("A horse runs at the ego vehicle.", "A horse runs at my car."),
         ("A dog comes towards the ego vehicle in its lane.", "A dog comes towards me in my lane."),
+        (
+            "A boy starts in front of the ego vehicle and goes on into its path.",
+            "A boy starts in front of me and goes on into my path.",
+        ),
+        (
+            "A van passes the ego vehicle and turns into its lane.",
+            "A van passes my car and turns into its lane.",
+        ),
     ],
 )
 def test_the_driver_tells_it(text, expected):
