@@ -72,6 +72,7 @@ def doctor(
     adapter with oodscen.testing.check_simulator.
     """
     from oodscen._doctor import CheckResult, examine, examine_knowledge, examine_llm
+    from oodscen._members import message
     from oodscen._parallel.processes import run_apart
 
     if name is not None and what not in ("llm", "knowledge"):
@@ -91,8 +92,8 @@ def doctor(
     else:
         try:
             findings = run_apart(_examined, what, quick, states_only)
-        except BrokenExecutor as error:
-            findings = [CheckResult(f"simulator {what}", False, str(error))]
+        except (BrokenExecutor, OSError) as error:
+            findings = [CheckResult(f"simulator {what}", False, message(error))]
     if as_json:
         say(json.dumps([finding._asdict() for finding in findings], indent=2))
     else:

@@ -91,8 +91,9 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--tree",
-    type=READABLE,
-    help="Tree to begin with, as `oodscen grow`, `tree` and `redteam` write it.  [default: --llm grows one]",
+    type=PathName(dir_okay=False, path_type=Path),
+    help="Tree to begin with, as `oodscen grow`, `tree` and `redteam` write it; a begun study needs it no more.  "
+    "[default: --llm grows one]",
 )
 @click.option(
     "--nodes",
@@ -187,6 +188,7 @@ def run(
     dry_run: bool,
     protocol: str,
     without_pictures: bool,
+    tree: Path | None,
     **choices: Any,
 ) -> None:
     """Run the whole pipeline into the folder OUT, or continue a stopped run.
@@ -199,8 +201,9 @@ def run(
     from oodscen._pipeline import Outputs, RunOptions, estimate, run_study
     from oodscen.llm._accounting import Ledger
     from oodscen.study._study import Study
+    from oodscen.tree._scenario_tree import ScenarioTree
 
-    _refuse_idle_options(choices, open_loop=open_loop, dry_run=dry_run)
+    _refuse_idle_options(choices, open_loop=open_loop, dry_run=dry_run, has_tree=tree is not None)
     choices["closed_loop"] = not open_loop
     choices["protocols"] = ("ours", "paper") if protocol == "paper" else ("ours",)
     if without_pictures:
@@ -208,13 +211,21 @@ def run(
     limits = limits_from(choices)
     before = Study(out)
     is_new = not before.store.has("study.json")
+    given_tree = None
+    if tree is not None and (is_new or tree.exists()):
+        given_tree = ScenarioTree.load(tree)
+        choices["tree"] = given_tree.digest()
+    elif not is_new:
+        choices["tree"] = before.config.tree
     config = _config(choices, quick, None if is_new else before.config)
     refuse_idle_prices(limits, config.models, config.servers)
     if is_new:
         _tell_outlook(config.simulator)
     if dry_run:
         with bars() as progress:
-            options = RunOptions(workers=workers or 1, limits=limits, progress=progress)
+            options = RunOptions(
+                workers=workers or 1, limits=limits, progress=progress, tree=given_tree
+            )
             rows = estimate(out, config, options)
         say(json.dumps([r.model_dump() for r in rows]) if as_json else estimated(rows))
         return
@@ -229,6 +240,7 @@ def run(
                 outputs=Outputs(traces, annotations, video),
                 limits=limits,
                 ledger=ledger,
+                tree=given_tree,
                 retry=retry_failed,
             )
     except AnswerError:
@@ -249,7 +261,9 @@ def run(
         sys.exit(1)
 
 
-def _refuse_idle_options(choices: dict[str, Any], *, open_loop: bool, dry_run: bool) -> None:
+def _refuse_idle_options(
+    choices: dict[str, Any], *, open_loop: bool, dry_run: bool, has_tree: bool
+) -> None:
     """Refuse options that would do nothing beside the others."""
     if open_loop:
         refuse_idle_in_open_loop()
@@ -263,7 +277,7 @@ def _refuse_idle_options(choices: dict[str, Any], *, open_loop: bool, dry_run: b
         raise UsageError(
             "a study measures its texts and needs an encoder; `none` is for the commands of single stages"
         )
-    if choices["tree"] is not None:
+    if has_tree:
         refuse_idle("with --tree, which gives the initial tree", "nodes")
     if dry_run:
         refuse_idle("with --dry-run, which counts what was never asked", "retry_failed")
@@ -274,8 +288,11 @@ def _config(choices: dict[str, Any], quick: bool, before: "StudyConfig | None") 
     from oodscen.study._config import StudyConfig
 
     given = {name: value for name, value in choices.items() if value not in (None, ())}
-    given |= {name: str(given[name]) for name in ("baseline", "tree") if name in given}
+    if "baseline" in given:
+        given["baseline"] = str(given["baseline"])
     small = StudyConfig.quick().model_dump() if quick else {}
+    if given.get("tree"):
+        small["sets"] = None
     config = StudyConfig.parse({**small, **given})
     return config if before is None else config.judging_too(before, set(given))
 

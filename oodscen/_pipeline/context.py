@@ -16,10 +16,9 @@ from oodscen.baselines import load_baseline
 from oodscen.baselines._baseline import Baseline
 from oodscen.data._base import Data
 from oodscen.encoders._cached import CachedEncoder
-from oodscen.errors import DataError, Issue, StudyError, StudyMismatch, UsageError
+from oodscen.errors import StudyError, UsageError
 from oodscen.study._config import StudyConfig
 from oodscen.study._study import Study
-from oodscen.tree._scenario_tree import ScenarioTree
 
 Item = TypeVar("Item")
 
@@ -71,7 +70,6 @@ class Context:
         self.models.check_names()
         rarity_llm = self.config.rarity_llm
         self.rarity_llm = None if rarity_llm is None else self.models.get(rarity_llm)
-        _ = self.given_tree
         if not self.store.holds("metrics.json"):
             _ = self.baseline  # A wrong file is found before a model is asked.
 
@@ -79,28 +77,6 @@ class Context:
     def baseline(self) -> Baseline | None:
         """Texts of ordinary driving, or `None` for the shipped ones."""
         return load_baseline(self.config.baseline) if self.config.baseline else None
-
-    @cached_property
-    def given_tree(self) -> ScenarioTree | None:
-        """The tree to begin with, or `None` if a model grows one, or the study has begun and the file is gone.
-
-        Raises:
-            DataError: If its file holds no tree, or one without a path that red teaming does not extend.
-            StudyMismatch: If the study began with another tree.
-        """
-        file = self.config.tree
-        is_begun = self.store.holds("tree.initial.json")
-        if file is None or (is_begun and not Path(file).exists()):
-            return None
-        tree = ScenarioTree.load(file)
-        if not (tree.paths or (len(tree) and self.config.iterations)):
-            fault = "has no path, and red teaming adds none"
-            raise DataError(tree.noun, [Issue("", fault)], source=file)
-        begun = self.study.tree("initial") if is_begun else tree
-        if begun != tree:
-            told = (f"tree.initial.json ({begun.digest()[:8]})", f"{file} ({tree.digest()[:8]})")
-            raise StudyMismatch(str(self.study.folder), {"tree": told})
-        return tree
 
     def each(
         self,

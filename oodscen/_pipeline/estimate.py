@@ -81,7 +81,11 @@ def estimate(
             name: _PricedAuthor(name, config.seed, prices) for name in names if is_asked(name)
         }
         stand_ins = {**options.models, **authors}
-        pipeline = Pipeline(folder, config, RunOptions(models=stand_ins, progress=options.progress))
+        pipeline = Pipeline(
+            folder,
+            config,
+            RunOptions(models=stand_ins, progress=options.progress, tree=options.tree),
+        )
         try:
             pipeline.prepare()
         except StudyMismatch as error:

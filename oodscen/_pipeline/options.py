@@ -10,6 +10,7 @@ from oodscen._progress import silent
 from oodscen.llm._accounting import Ledger
 from oodscen.llm._remote.limits import Limits
 from oodscen.protocols import LLM
+from oodscen.tree._scenario_tree import ScenarioTree
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,5 +31,7 @@ class RunOptions:
     """Caps, prices and concurrency of the models."""
     ledger: Ledger = field(default_factory=Ledger)
     """Keeps running totals of the calls."""
+    tree: ScenarioTree | None = None
+    """The tree to begin with, if the configuration says that one is given; a begun study has it."""
     retry: bool = False
     """Redo all failed items; otherwise only those marked as retryable."""

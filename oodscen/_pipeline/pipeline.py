@@ -24,7 +24,7 @@ from oodscen._pipeline.steps.texts import (
     text_files,
     without_twin,
 )
-from oodscen._pipeline.steps.trees import grow, prune, redteam
+from oodscen._pipeline.steps.trees import check_given, grow, prune, redteam
 from oodscen._version import __version__
 from oodscen._words.redaction import redact
 from oodscen.data._base import canonical_json
@@ -183,6 +183,8 @@ class Pipeline:
 
     def _check(self) -> None:
         """Check that the folder belongs to this run and that its files are intact."""
+        if self.context.options.tree is not None:
+            check_given(self.context.options.tree, self.config.iterations)
         if self.store.has("study.json"):
             differences = self.study.config.differences(self.config)
             for name in JUDGING:
@@ -213,7 +215,13 @@ class Pipeline:
         simulator = self.context.simulator
         more["camera"] = simulator.catalogue().camera
         more["rehearses"] = isinstance(simulator, Rehearses)
-        content = record(self.config, status, packages=packages_of(simulator), **more)
+        content = record(
+            self.config,
+            status,
+            tree=self.context.options.tree,
+            packages=packages_of(simulator),
+            **more,
+        )
         content["versions"] = joined_versions(earlier.get("versions", {}), content["versions"])
         self.store.write("study.json", canonical_json(content) + "\n")
 

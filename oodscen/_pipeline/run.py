@@ -16,6 +16,7 @@ from oodscen.llm._remote.limits import Limits
 from oodscen.protocols import LLM
 from oodscen.study._config import StudyConfig
 from oodscen.study._study import Study
+from oodscen.tree._scenario_tree import ScenarioTree
 
 
 @checked
@@ -30,6 +31,7 @@ def run_study(
     outputs: Outputs | None = None,
     limits: Limits | None = None,
     ledger: Ledger | None = None,
+    tree: ScenarioTree | None = None,
     retry: bool = False,
 ) -> Study:
     """Run the whole paper into a folder, or continue a run that stopped.
@@ -46,15 +48,17 @@ def run_study(
         outputs: Further outputs to keep for each newly simulated episode: traces, annotations, videos.
         limits: Caps, prices and concurrency of the models.
         ledger: Keeps running totals of the calls.
+        tree: The tree to begin with, in place of one that the model grows; a begun study needs it no more.
         retry: Redo every failed item; otherwise only those that failed because no answer came.
 
     Raises:
         UsageError: For an unknown component, a missing extra, a simulator that workers cannot import, or a
             folder of another study.
+        DataError: If the tree has no path and red teaming adds none, or a situation directly below its root.
         RunStopped: When a cap is reached or an endpoint is given up; running again continues.
         StudyError: When the folder cannot be written.
     """
-    config = config or StudyConfig()
+    config = with_given_tree(config or StudyConfig(), tree, out)
     whole_number("workers", workers)
     check_workers(config.simulator, workers, executor)
     ledger = ledger or Ledger()
@@ -67,6 +71,20 @@ def run_study(
             outputs=outputs or Outputs(),
             limits=limits or Limits(),
             ledger=ledger,
+            tree=tree,
             retry=retry,
         )
         return Pipeline(out, config, options).run()
+
+
+def with_given_tree(config: StudyConfig, tree: ScenarioTree | None, out: str | Path) -> StudyConfig:
+    """Return a configuration with the digest of the tree that is given, or was when the study in a folder began."""
+    if tree is not None:
+        digest: str | None = tree.digest()
+    elif config.tree is None and (before := Study(out)).store.has("study.json"):
+        digest = before.config.tree
+    else:
+        return config
+    if digest == config.tree:
+        return config
+    return StudyConfig.parse({**config.model_dump(exclude_unset=True), "tree": digest})

@@ -89,6 +89,11 @@ class Material:
         return mapping(self.info.get("config"))
 
     @property
+    def authors(self) -> Mapping[str, Any]:
+        """The authors as they were written, by role; empty if they are not."""
+        return mapping(self.info.get("authors"))
+
+    @property
     def seed(self) -> int:
         """The seed of the study; 0 if none can be read."""
         seed = self.config.get("seed")

@@ -75,8 +75,8 @@ class StudyConfig(Choices):
     encoder: str = DEFAULT_ENCODER
     baseline: str | None = None
     """File of ordinary-driving texts; the shipped corpus if left out."""
-    tree: str | None = None
-    """File of a tree to begin with, in place of one that `llm` grows; `nodes` then has no effect."""
+    tree: str | None = Field(default=None, pattern="^[0-9a-f]{64}$")
+    """Digest of the tree that the study was given, in place of one that `llm` grows; `nodes` then has no effect."""
     nodes: int = Field(default=paper.NODES["initial"], ge=12, le=2_000)
     """Size of the initial tree."""
     iterations: int = Field(default=paper.ITERATIONS, ge=0, le=100_000)

@@ -15,6 +15,7 @@ from oodscen._version import __version__
 from oodscen.data._base import Data, digest
 from oodscen.prompts._versions import prompt_versions
 from oodscen.study._config import Status, StudyConfig
+from oodscen.tree._scenario_tree import ScenarioTree
 
 _BUILTIN = (
     "the built-in author: a deterministic, seeded writer over a knowledge base of hazards, not a "
@@ -47,13 +48,19 @@ class Info(Data):
 
 
 def record(
-    config: StudyConfig, status: Status, *, packages: Sequence[str] = (), **more: Any
+    config: StudyConfig,
+    status: Status,
+    *,
+    tree: ScenarioTree | None = None,
+    packages: Sequence[str] = (),
+    **more: Any,
 ) -> dict[str, Any]:
     """Return the content of `study.json`.
 
     Args:
         config: The configuration of the run.
         status: The state of the run.
+        tree: The tree that the study is given, if it is.
         packages: The installed packages on which the simulator's motion and pictures depend.
         more: Counts, failures and times, once there are any.
     """
@@ -61,7 +68,7 @@ def record(
         "schema_version": 1,
         "status": status,
         "config": config.model_dump(mode="json"),
-        "authors": authors(config),
+        "authors": authors(config) | ({} if tree is None else {"tree": _given(tree)}),
         "versions": versions(packages),
         "prompts": prompt_versions(),
         **more,
@@ -76,6 +83,13 @@ def authors(config: StudyConfig) -> dict[str, str]:
         "fallback": config.fallback,
     }
     return {role: _author(name) for role, name in names.items() if name is not None}
+
+
+def _given(tree: ScenarioTree) -> str:
+    """Return a tree's digest, and the models that wrote it according to its log."""
+    models = dict.fromkeys(edit.model for edit in tree.edits if edit.model)
+    written = f", written by {', '.join(models)}" if models else ""
+    return f"given (digest {tree.digest()[:16]}){written}"
 
 
 def _author(name: str) -> str:

@@ -5,6 +5,7 @@ import threading
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+from oodscen._numbers import said
 from oodscen.errors import Issue
 from oodscen.tree._edits import Node, TreeEdit, edited
 from oodscen.tree._labels import label_fault
@@ -196,7 +197,8 @@ class EditLog:
     def _fault_of_add(self, edit: TreeEdit) -> _Fault | None:
         """Return why a node cannot be added."""
         if not _ID.fullmatch(edit.node):
-            return _Fault(f"{edit.node[:80]!r} is not a valid id (letters, digits, '-', '_', '.')")
+            rule = "1 to 64 letters, digits, '-', '_' and '.', the first a letter or a digit"
+            return _Fault(f"{said(edit.node, 80)} is not a valid id: {rule}")
         if edit.node in self.nodes:
             return _Fault(f"the id {edit.node!r} is taken")
         if edit.parent is None and self.nodes:

@@ -1,4 +1,5 @@
 import errno
+import json
 import os
 import shutil
 import signal
@@ -9,7 +10,7 @@ from contextlib import contextmanager
 import pytest
 from click.testing import CliRunner
 
-from oodscen import Study
+from oodscen import ScenarioTree, Study
 from oodscen._cli import EXIT_CODES, main
 from tests.pipeline.quick import SMALL
 
@@ -222,3 +223,26 @@ def test_what_a_run_has_no_use_for_is_refused(idle, said, tmp_path) -> None:
         assert refused.exit_code == 2
         assert said in refused.output
         assert not (tmp_path / "new").exists()
+
+
+def test_a_study_needs_the_file_of_its_tree_only_to_begin(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    file, out = tmp_path / "tree.json", tmp_path / "out"
+    words = ["--iterations", "0", "--quick", "--simulator", "flat", "--encoder", "hash"]
+    words += ["--baseline", SMALL.baseline, "--workers", "1"]
+    assert invoke("run", out, "--tree", "tree.json", *words).exit_code == 2
+    file.write_text(ScenarioTree.initial().to_json())
+    assert "has no path" in invoke("run", out, "--tree", "tree.json", *words).stderr
+    assert not out.exists()
+    nodes = [("root", None, "OOD"), ("a", "root", "Weather"), ("b", "a", "Thick fog")]
+    plain = {"nodes": [{"id": i, "parent": p, "label": label} for i, p, label in nodes]}
+    file.write_text(json.dumps(plain))
+    assert invoke("run", out, "--tree", "tree.json", *words).exit_code == 0
+    tables = (out / "verdicts.jsonl").read_bytes()
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    for given in (["--tree", file], ["--tree", "gone.json"], []):
+        assert invoke("run", out, *given, *words).exit_code == 0
+    assert (out / "verdicts.jsonl").read_bytes() == tables
+    file.write_text(json.dumps(plain).replace("Thick", "Patchy"))
+    assert "tree: the study has" in invoke("run", out, "--tree", file, *words).stderr

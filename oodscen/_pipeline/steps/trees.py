@@ -2,24 +2,55 @@
 
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.steps.making import makes, pruner, with_made
+from oodscen.errors import DataError, Issue, UsageError
 from oodscen.stages._grow import TreeGrower
 from oodscen.stages._prune.decisions import all_decisions, apply_decisions
 from oodscen.stages._prune.restoration import restoration
 from oodscen.stages._redteam.red_teamer import RedTeamer
 from oodscen.stages._redteam.thresholds import TOKENS
 from oodscen.study._rounds import rounds_on
-from oodscen.tree._scenario_tree import ScenarioTree
+from oodscen.tree._scenario_tree import CLASSES, ROOT, ScenarioTree
 
 
 def grow(run: Context) -> ScenarioTree:
     """Grow the initial tree, or take the given one."""
     if not run.store.holds("tree.initial.json"):
-        tree = run.given_tree
-        if tree is None:
-            tree = TreeGrower(run.llm, nodes=run.config.nodes).run()
-        run.store.write("tree.initial.json", _tree_text(tree))
+        run.store.write("tree.initial.json", _tree_text(_initial(run)))
     run.progress("grow", 1, 1)
     return run.study.tree("initial")
+
+
+def check_given(tree: ScenarioTree, iterations: int) -> None:
+    """Check that a study can begin with a tree.
+
+    Raises:
+        DataError: If it has no nodes, no path although red teaming adds none, or a situation directly below the root.
+    """
+    inner = {node.parent for node in tree}
+    loose = [node for node in tree if node.parent == ROOT and node.id not in inner]
+    classes = {name.casefold() for name in CLASSES}
+    issues = [
+        Issue(
+            node.id,
+            f"{node.label!r} lies directly below the root; a situation needs a class above it",
+        )
+        for node in loose
+        if node.label.casefold() not in classes
+    ]
+    if not issues and not (tree.paths or (len(tree) and iterations)):
+        issues = [Issue("", "has no path, and red teaming adds none")]
+    if issues:
+        raise DataError(tree.noun, issues)
+
+
+def _initial(run: Context) -> ScenarioTree:
+    if run.config.tree is None:
+        return TreeGrower(run.llm, nodes=run.config.nodes).run()
+    if run.options.tree is None:
+        raise UsageError(
+            "tree.initial.json is gone, and the study was given its tree: run it again with --tree"
+        )
+    return run.options.tree
 
 
 def redteam(run: Context, tree: ScenarioTree) -> ScenarioTree:

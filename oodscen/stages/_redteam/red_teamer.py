@@ -200,6 +200,10 @@ class _Session:
         )
         self.questions: dict[int, ImagineScenario] = {}
         """Questions of the next rounds, made as soon as the tree that they show is known."""
+        self._rounds_before = max(
+            (edit.round for edit in tree.edits if edit.round and not edit.origin), default=0
+        )
+        """Rounds in the log of the tree itself, after which those of its further edits count on."""
         self._broadened = Counter(edit.node for edit in tree.edits if edit.op == "broaden")
         self._rejected: deque[str] = deque(maxlen=5)
         """The last rejected proposals, which the red-LLM sees."""
@@ -300,7 +304,7 @@ class _Session:
                 placed,
                 splits_lists=self.options.closed_loop,
                 stage="redteam",
-                round=number,
+                round=self._rounds_before + number,
                 reason=placed.reasoning,
                 source=proposal.text,
                 model=speaker(teamer.llm),
