@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from oodscen._parallel.processes import Processes, children, ending_children
+from oodscen._parallel.processes import Processes, children, ending_children, run_apart
 from oodscen._registry import make_simulator
 from oodscen.errors import RunStopped, UnknownComponent, UsageError
 from tests.forks import ended_fork
@@ -47,6 +47,19 @@ def test_errors_come_back_as_they_are(pool):
         pool.submit(exec, STUBBORN).result()
     with pytest.raises((AttributeError, pickle.PicklingError)):
         pool.submit(lambda: 1).result()
+
+
+def test_a_call_that_runs_apart_may_have_processes_of_its_own():
+    inside = """
+from oodscen._parallel.processes import Processes
+with Processes(1) as pool:
+    assert pool.submit(int, "ff", base=16).result() == 255
+"""
+    run_apart(exec, inside, {})
+    with Processes(1) as pool, pytest.raises(UsageError):
+        pool.submit(exec, inside, {}).result()
+    with pytest.raises(BrokenExecutor, match="exit code 0"):
+        run_apart(os._exit, 0)
 
 
 STUBBORN = """
@@ -228,7 +241,7 @@ def test_an_interruption_that_a_call_raises_itself_is_its_own(pool):
 KILLED = """
 import os, signal
 from pathlib import Path
-from oodscen._parallel.processes import Processes, children, ending_children
+from oodscen._parallel.processes import Processes, children, ending_children, run_apart
 
 with Processes(2) as pool:
     pool.submit(os.getpid).result()
