@@ -79,7 +79,7 @@ def authors(config: StudyConfig) -> dict[str, str]:
     """Return who may have written the texts; the built-in author is worded so that it cannot pass for a model."""
     names = {
         "llm": config.llm,
-        "red_llm": config.red_llm or config.llm,
+        "red_llm": (config.red_llm or config.llm) if config.iterations else None,
         "fallback": config.fallback,
     }
     return {role: _author(name) for role, name in names.items() if name is not None}

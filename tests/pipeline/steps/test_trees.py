@@ -52,6 +52,7 @@ def test_a_study_of_a_given_tree_has_its_paths(tmp_path):
     run_study(out, CONFIG, tree=tree)
     assert content(out) == before
     assert Study.open(out).info["authors"]["tree"].endswith("gpt-4o")
+    assert set(Study.open(out).info["authors"]) == {"llm", "tree"}
 
     with pytest.raises(StudyMismatch) as caught:
         run_study(out, CONFIG, tree=tree_of(LABELS | {"hail": ("things", "Hail")}))
