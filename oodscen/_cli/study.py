@@ -212,11 +212,10 @@ def run(
     before = Study(out)
     is_new = not before.store.has("study.json")
     given_tree = None
-    if tree is not None and (is_new or tree.exists()):
+    choices["tree"] = None if is_new else before.config.tree
+    if tree is not None and (tree.exists() or choices["tree"] is None):
         given_tree = ScenarioTree.load(tree)
         choices["tree"] = given_tree.digest()
-    elif not is_new:
-        choices["tree"] = before.config.tree
     config = _config(choices, quick, None if is_new else before.config)
     refuse_idle_prices(limits, config.models, config.servers)
     if is_new:

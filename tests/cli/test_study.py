@@ -225,6 +225,12 @@ def test_what_a_run_has_no_use_for_is_refused(idle, said, tmp_path) -> None:
         assert not (tmp_path / "new").exists()
 
 
+def test_a_study_that_grew_its_tree_takes_no_other(study) -> None:
+    for name in ("missing.json", study / "tree.diverse.json"):
+        refused = invoke("run", study, *ORDER, SMALL.baseline, "--tree", name)
+        assert (refused.exit_code, "tree" in refused.stderr) == (2, True)
+
+
 def test_a_study_needs_the_file_of_its_tree_only_to_begin(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     file, out = tmp_path / "tree.json", tmp_path / "out"
