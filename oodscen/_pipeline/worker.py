@@ -18,7 +18,7 @@ from oodscen._words.redaction import redact
 from oodscen.data._episode import ACTIONS, Episode
 from oodscen.data._pairing import demand_id, twin_id
 from oodscen.data._scene import Scene
-from oodscen.driving._trace_table import to_parquet
+from oodscen.driving._trace_table import to_bytes
 from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash
 from oodscen.protocols import Frame, Simulator
 from oodscen.stages._annotations import FrameAnnotations, annotate
@@ -197,7 +197,7 @@ def _extra_files(
     files: dict[str, bytes] = {}
     catalogue = simulator.catalogue()
     if job.outputs.traces:
-        files[f"traces/{scene.id}.parquet"] = to_parquet(simulated.to_arrow())
+        files[f"traces/{scene.id}.parquet"] = to_bytes(simulated.to_arrow(), ".parquet")
     if job.outputs.annotations:
         for moment, frame in simulated.frames.items():
             state = simulated.state_of(moment)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from oodscen._arguments import state_of
 from oodscen._display import Brief
-from oodscen._io.files import writing
+from oodscen._io.files import write_named, writing
 from oodscen._io.study_files import refuse_own
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
@@ -227,11 +227,10 @@ class Trace(Brief):
             OodscenError: If the file cannot be written.
         """
         target = table.checked_path(path)
-        rows = self.to_arrow()
+        content = table.to_bytes(self.to_arrow(), target.suffix)
         with writing(target):
             refuse_own(target)
-            target.parent.mkdir(parents=True, exist_ok=True)
-            table.write(rows, target)
+            write_named(target, content)
         return target
 
     @classmethod

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen._io.files import unreadable
+from oodscen._io.files import read_regular
 from oodscen.errors import DataError, Issue, MissingExtra, UsageError
 
 if TYPE_CHECKING:
@@ -96,9 +96,13 @@ def from_arrow(table: "pa.Table", source: str) -> tuple[tuple[str, ...], Columns
     Raises:
         DataError: If the table is not a trace, with every fault.
     """
+    try:
+        names = table.column_names
+    except UnicodeDecodeError as error:
+        raise DataError("trace", [Issue("", f"a column's name: {error}")], source=source) from None
     issues: list[Issue] = []
     for name in COLUMNS:
-        count = table.column_names.count(name)
+        count = names.count(name)
         if count != 1:
             fault = "is missing" if count == 0 else f"stands here {count} times"
             issues.append(Issue(name, f"this column {fault}"))
@@ -116,11 +120,16 @@ def from_arrow(table: "pa.Table", source: str) -> tuple[tuple[str, ...], Columns
             issues.append(Issue(name, str(error)))
     if issues:
         raise DataError("trace", issues, source=source)
-    return ids, {name: column.reshape(-1, len(ids)) for name, column in columns.items()}
+    columns = {name: column.reshape(-1, len(ids)) for name, column in columns.items()}
+    time = columns["time"]
+    if (time != time[:, :1]).any() or (time[1:] <= time[:-1]).any():
+        fault = "must rise from step to step, and be the same for all bodies of a step"
+        raise DataError("trace", [Issue("time", fault)], source=source)
+    return ids, columns
 
 
 def _ids_of(column: "pa.ChunkedArray") -> tuple[str, ...]:
-    """Return the ids of the bodies, which repeat step by step.
+    """Return the ids of the bodies, the ego's first, which repeat step by step.
 
     Raises:
         ValueError: If they do not.
@@ -130,6 +139,8 @@ def _ids_of(column: "pa.ChunkedArray") -> tuple[str, ...]:
     is_complete = bool(ids) and len(names) % len(ids) == 0
     if not is_complete or None in ids or tuple(names) != ids * (len(names) // len(ids)):
         raise ValueError("the rows are not every body's, step by step")
+    if ids[0] != "ego":
+        raise ValueError("the first body of each step is not the ego")
     return ids
 
 
@@ -164,59 +175,47 @@ def _cast(column: "pa.ChunkedArray", kind: str) -> "pa.ChunkedArray":
         raise ValueError(f"must hold {_CONTENTS.get(kind, 'words')} only") from None
 
 
-def write(table: "pa.Table", path: Path) -> None:
-    """Write a table in the format given by the suffix."""
-    if path.suffix == ".parquet":
+def to_bytes(table: "pa.Table", suffix: str) -> bytes:
+    """Return a table as the bytes of a file in the format given by its suffix."""
+    import pyarrow as pa
+
+    sink = pa.BufferOutputStream()
+    if suffix == ".parquet":
         import pyarrow.parquet as parquet
 
-        parquet.write_table(table, path)
-    elif path.suffix == ".arrow":
-        import pyarrow as pa
-
-        with pa.OSFile(str(path), "wb") as sink, pa.ipc.new_file(sink, table.schema) as out:
+        parquet.write_table(table, sink)
+    elif suffix == ".arrow":
+        with pa.ipc.new_file(sink, table.schema) as out:
             out.write_table(table)
     else:
         import pyarrow.csv as csv
 
-        csv.write_csv(_with_plain_ids(table), path)
+        csv.write_csv(_with_plain_ids(table), sink)
+    return bytes(sink.getvalue())
 
 
 def read(path: Path) -> "pa.Table":
-    """Read a table that `write` wrote.
+    """Read a table from a file that holds the bytes of `to_bytes`.
 
     Raises:
         DataError: If the file cannot be read.
         MissingExtra: If pyarrow is not installed.
     """
     pa = _pyarrow()
+    content = pa.BufferReader(read_regular(path, "trace"))
     try:
-        file = path.open("rb")
-    except (OSError, ValueError) as error:
-        raise unreadable("trace", path, error) from None
-    try:
-        with file:
-            if path.suffix == ".parquet":
-                import pyarrow.parquet as parquet
+        if path.suffix == ".parquet":
+            import pyarrow.parquet as parquet
 
-                return parquet.read_table(file)
-            if path.suffix == ".arrow":
-                return pa.ipc.open_file(file).read_all()
-            import pyarrow.csv as csv
+            return parquet.read_table(content)
+        if path.suffix == ".arrow":
+            return pa.ipc.open_file(content).read_all()
+        import pyarrow.csv as csv
 
-            options = csv.ConvertOptions(column_types={"id": pa.string()})
-            return csv.read_csv(file, convert_options=options)
+        options = csv.ConvertOptions(column_types={"id": pa.string()})
+        return csv.read_csv(content, convert_options=options)
     except (OSError, pa.ArrowException) as error:
         raise DataError("trace", [Issue("", str(error))], source=str(path)) from None
-
-
-def to_parquet(table: "pa.Table") -> bytes:
-    """Return an Arrow table as the bytes of a Parquet file."""
-    import pyarrow as pa
-    import pyarrow.parquet as parquet
-
-    sink = pa.BufferOutputStream()
-    parquet.write_table(table, sink)
-    return bytes(sink.getvalue())
 
 
 def with_phase(table: "pa.Table", phase: str) -> "pa.Table":

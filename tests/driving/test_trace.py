@@ -1,5 +1,7 @@
 """Traces: what states imply, as a table that survives being written."""
 
+import errno
+import os
 from dataclasses import replace
 
 import numpy as np
@@ -145,6 +147,42 @@ def test_files_that_are_no_trace_are_refused(trace, tmp_path):
     for suffix in ("parquet", "arrow", "csv"):
         with pytest.raises(DataError, match=r"unreadable trace .*\n.*No such file"):
             Trace.load(tmp_path / f"missing.{suffix}")
+        os.mkfifo(tmp_path / f"pipe.{suffix}")
+        with pytest.raises(DataError, match=r"unreadable trace .*\n.*a pipe"):
+            Trace.load(tmp_path / f"pipe.{suffix}")
+    (tmp_path / "d.csv").write_bytes(b"\xff,x\n1,2\n")
+    with pytest.raises(DataError, match="a column's name"):
+        Trace.load(tmp_path / "d.csv")
+
+
+@pytest.mark.parametrize(
+    ("column", "index", "values"),
+    [
+        ("time", 1, [0.2] * 4 + [0.1] * 4),
+        ("time", 1, [0.1] * 8),
+        ("time", 1, [0.1] * 3 + [0.15] + [0.2] * 4),
+        ("id", 2, ["lead", "ego", "beside", "pot"] * 2),
+    ],
+)
+def test_a_table_that_no_states_imply_is_refused(trace, column, index, values):
+    table = trace.to_arrow().slice(0, 8).set_column(index, column, [values])
+    with pytest.raises(DataError) as caught:
+        from_arrow(table, "memory")
+    assert [issue.path for issue in caught.value.issues] == [column]
+
+
+def test_a_file_stays_as_it_was_where_it_cannot_be_written_whole(trace, tmp_path, monkeypatch):
+    file = trace.save(tmp_path / "a.parquet")
+    before = file.read_bytes()
+
+    def fail(_):
+        raise OSError(errno.ENOSPC, "the disk is full")
+
+    monkeypatch.setattr(os, "fsync", fail)
+    with pytest.raises(OodscenError, match="the disk is full"):
+        trace.save(file)
+    assert file.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [file]
 
 
 @pytest.mark.parametrize(
