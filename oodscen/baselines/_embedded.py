@@ -65,8 +65,8 @@ class EmbeddedBaseline(Brief):
             first = rows.indices(len(self))[0] + int(np.isfinite(squared).argmin())
             fault = "is not finite; write the embeddings again"
             raise DataError("embeddings", [Issue(f"row {first}", fault)], source=str(self.path))
-        lengths = np.sqrt(squared)[:, None].astype(np.float32)
-        block /= np.where(lengths > 0.0, lengths, np.float32(1.0))
+        lengths = np.sqrt(squared)[:, None]  # float64: that of a finite row may be no float32.
+        block /= np.where(lengths > 0.0, lengths, 1.0)
         return block
 
     def digest(self) -> str:

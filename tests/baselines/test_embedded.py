@@ -50,6 +50,7 @@ def test_it_scores_as_the_texts_do(file, tmp_path):
 def test_rows_are_scaled_and_zeros_stay(tmp_path):
     rows = np.arange(12, dtype=np.float32).reshape(3, 4)
     rows[1] = 0.0
+    rows[2] = 3e38  # Its length is no float32.
     np.save(tmp_path / "b.npy", rows)
     (tmp_path / "b.npy.json").write_text(json.dumps({"encoder": "hash-4"}))
     found = open_embeddings(tmp_path / "b.npy", HashEncoder(4))[0:3]
