@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, TypeVar
 
 from oodscen._io.study_files import picture_of
@@ -77,15 +78,12 @@ class MotionRow:
 def made_to_order(study: Study, material: Material) -> Mapping[str, Any] | None:
     """Return the things and movements made to order, and the details and states that scenes use."""
     things, motions = list(_things(study, material)), list(_motions(material))
-    printed = _uses_by_row(material.scenes, _texts_of_actors)
-    for row in things:
-        for text in row.texts:
-            printed[(text, words.plain_words(row.prop.id))] = row.uses
+    texts = {row.prop: row.texts for row in things}
     unmade: list[MadeProp | MadeMotion] = [*material.assets, *material.motions]
     rows = {
         "things": things,
         "motions": motions,
-        "printed": printed,
+        "printed": _uses_by_row(material.scenes, partial(_printed, texts)),
         "details": _uses_by_row(material.scenes, _details),
         "states": _uses_by_row(material.scenes, _map_faults),
         "unmade": [
@@ -202,10 +200,13 @@ def _details(scene: Scene) -> Iterator[Row]:
             yield words.plain_words(actor.asset), ", ".join(words.details(actor.details))
 
 
-def _texts_of_actors(scene: Scene) -> Iterator[Row]:
+def _printed(texts: Mapping[Prop, Iterable[str]], scene: Scene) -> Iterator[Row]:
     for actor in scene.actors:
         if actor.details and actor.details.text:
             yield actor.details.text, words.plain_words(actor.asset)
+    for prop in scene.made:
+        for text in texts[prop]:
+            yield text, words.plain_words(prop.id)
 
 
 def _map_faults(scene: Scene) -> Iterator[Row]:

@@ -98,6 +98,17 @@ def test_everything_that_was_made_is_on_the_page(tmp_path):
     assert len(page.xpath(".//a[@href = '#scene-s-002']")) >= 4
 
 
+def test_a_printed_text_has_the_scenes_of_every_design_that_bears_it(tmp_path):
+    heavier = SIGNED.model_copy(update={"mass_kg": SIGNED.mass_kg + 1.0})
+    unused = MadeProp(id="spare", prop=SIGNED.model_copy(update={"id": "spare"}))
+    scenes = [scene("s-001"), scene("s-002", made=[heavier.model_dump()])]
+    found = made_to_order(Study(tmp_path), Material(scenes=scenes, assets=[unused]))
+    assert {row: uses.scenes for row, uses in found["printed"].items()} == {
+        ("ICE", "truck"): ["s-001", "s-002"],
+        ("EAT FISH", "low wall"): ["s-001", "s-002"],
+    }
+
+
 def test_designs_that_only_scenes_carry_are_shown_as_they_are_there(tmp_path):
     (tmp_path / "frames").mkdir()
     (tmp_path / "frames" / "last.jpg").write_bytes(b"\xff\xd8")
