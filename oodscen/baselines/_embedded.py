@@ -216,18 +216,17 @@ def _arrow(file: Path) -> tuple[Any, str]:
         table = pa.ipc.open_file(pa.memory_map(str(file))).read_all()
         kind = table.schema.field("vector").type
         maker = (table.schema.metadata or {})[b"encoder"].decode()
-        width, value = int(kind.list_size), str(kind.value_type)
-    except (OSError, KeyError, AttributeError, ValueError, pa.ArrowException) as error:
+    except (OSError, KeyError, ValueError, pa.ArrowException) as error:
         fault = f"is not an Arrow file with a column `vector` and an encoder's name: {error}"
         raise DataError("embeddings", [Issue("", fault)], source=str(file)) from None
     fault = ""
-    if value != "float":
-        fault = f"holds vectors of {value}, not float32"
+    if not pa.types.is_fixed_size_list(kind) or kind.value_type != pa.float32():
+        fault = f"holds values of the type {kind}, not fixed_size_list<float>"
     elif _has_nulls(table.column("vector")):
         fault = "holds nulls"
     if fault:
         raise DataError("embeddings", [Issue("vector", fault)], source=str(file))
-    return _ArrowRows(table, width), maker
+    return _ArrowRows(table, int(kind.list_size)), maker
 
 
 def _has_nulls(column: Any) -> bool:

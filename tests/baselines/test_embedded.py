@@ -213,6 +213,19 @@ def test_an_arrow_file_of_another_layout_is_a_data_error(tmp_path):
             open_embeddings(bad, ENCODER)
 
 
+@pytest.mark.parametrize("name", ["list_", "large_list", "float32"])
+def test_a_column_of_another_type_is_named(tmp_path, name):
+    pa = pytest.importorskip("pyarrow")
+    kind = pa.float32() if name == "float32" else getattr(pa, name)(pa.float32())
+    values = pa.array([0.5 if name == "float32" else [0.5] * 16], kind)
+    schema = pa.schema([("vector", kind)], metadata={"encoder": ENCODER.name})
+    path = tmp_path / "ordinary.arrow"
+    with pa.ipc.new_file(str(path), schema) as sink:
+        sink.write_table(pa.table([values], schema=schema))
+    with pytest.raises(DataError, match=r"vector: holds values of the type .*, not fixed"):
+        open_embeddings(path, ENCODER)
+
+
 @pytest.mark.parametrize("null", ["vector", "value"])
 def test_nulls_in_an_arrow_file_are_a_data_error(tmp_path, null):
     pa = pytest.importorskip("pyarrow")
