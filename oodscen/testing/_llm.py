@@ -13,7 +13,7 @@ from oodscen.errors import LLMError
 from oodscen.protocols import Completion, Request
 
 Answer = str | Mapping[str, Any] | BaseModel | BaseException
-"""Text as is, a value to serialise as JSON, or an exception to raise."""
+"""Text or a `Completion` as is, another value to serialise as JSON, or an exception to raise."""
 
 
 class ScriptedLLM(Brief):
@@ -36,7 +36,7 @@ class ScriptedLLM(Brief):
         self,
         answers: Sequence[Answer]
         | Mapping[str, Answer | Sequence[Answer]]
-        | Callable[[Request], Answer | Completion],
+        | Callable[[Request], Answer],
         *,
         name: str | None = None,
     ) -> None:
@@ -76,7 +76,7 @@ class ScriptedLLM(Brief):
         return answers[index]
 
 
-def _completion(answer: Answer | Completion) -> Completion:
+def _completion(answer: Answer) -> Completion:
     """Return a prepared answer as a completion, or raise it."""
     if isinstance(answer, Completion):
         return answer
@@ -86,4 +86,4 @@ def _completion(answer: Answer | Completion) -> Completion:
         return Completion(text=answer)
     if isinstance(answer, BaseModel):
         return Completion(text=answer.model_dump_json())
-    return Completion(text=json.dumps(answer, ensure_ascii=False))
+    return Completion(text=json.dumps(answer, ensure_ascii=False, default=dict))

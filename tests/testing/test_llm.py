@@ -1,5 +1,8 @@
 """The doubles say what they are told."""
 
+import json
+from types import MappingProxyType
+
 import pytest
 
 from oodscen._parallel.threads import as_finished
@@ -30,6 +33,13 @@ def test_answers_come_in_order_in_any_form():
         llm.complete(request())
     assert llm.complete(request()).text == "last"
     assert [asked.prompt.purpose for asked in llm.requests].count("describe-path") == 1
+
+
+def test_any_mapping_is_an_answer_and_may_hold_models():
+    model = ImaginedScenario(text="x")
+    llm = ScriptedLLM([MappingProxyType({"a": 1}), {"scenarios": [model]}])
+    assert llm.complete(request()).text == '{"a": 1}'
+    assert json.loads(llm.complete(request()).text) == {"scenarios": [model.model_dump()]}
 
 
 def test_a_script_that_runs_out_is_a_model_that_fails():
