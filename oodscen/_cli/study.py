@@ -213,7 +213,8 @@ def run(
     is_new = not before.store.has("study.json")
     given_tree = None
     choices["tree"] = None if is_new else before.config.tree
-    if tree is not None and (tree.exists() or choices["tree"] is None):
+    is_held = choices["tree"] is not None and before.store.holds("tree.initial.json")
+    if tree is not None and (tree.exists() or not is_held):
         given_tree = ScenarioTree.load(tree)
         choices["tree"] = given_tree.digest()
     config = _config(choices, quick, None if is_new else before.config)

@@ -60,7 +60,9 @@ def card(
         version=__version__,
         info=study.info,
         config=study.config,
-        configuration=canonical_json(study.config.model_dump(mode="json", exclude=_PRIVATE)),
+        configuration=_without_folders(
+            canonical_json(study.config.model_dump(mode="json", exclude=_PRIVATE))
+        ),
         splits=_splits(drives),
         figures=FIGURES,
         rows=_rows(board),
@@ -75,9 +77,14 @@ def card(
     )
 
 
+def _without_folders(text: str) -> str:
+    """Return a text in which the files of models, as in `builtin:FILE`, are named without their folders."""
+    return re.sub(r"\b(builtin|replay):[^\s\"]*/", r"\1:", text)
+
+
 def _cell(value: object) -> str:
     """Return a text on one line without markup: no HTML, links, code or columns."""
-    text = html.escape(one_line(printable(str(value))), quote=False)
+    text = html.escape(one_line(printable(_without_folders(str(value)))), quote=False)
     return re.sub(r"[\\`\[\]|]", r"\\\g<0>", text)
 
 

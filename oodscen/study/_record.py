@@ -12,6 +12,7 @@ from pydantic import ConfigDict
 from oodscen._entry_points import is_builtin
 from oodscen._io.files import file_sha256
 from oodscen._version import __version__
+from oodscen._words.redaction import redact
 from oodscen.data._base import Data, digest
 from oodscen.prompts._versions import prompt_versions
 from oodscen.study._config import Status, StudyConfig
@@ -87,7 +88,7 @@ def authors(config: StudyConfig) -> dict[str, str]:
 
 def _given(tree: ScenarioTree) -> str:
     """Return a tree's digest, and the models that wrote it according to its log."""
-    models = dict.fromkeys(edit.model for edit in tree.edits if edit.model)
+    models = dict.fromkeys(redact(edit.model) for edit in tree.edits if edit.model)
     written = f", written by {', '.join(models)}" if models else ""
     return f"given (digest {tree.digest()[:16]}){written}"
 

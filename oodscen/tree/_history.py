@@ -133,18 +133,24 @@ def _is_effective(edit: TreeEdit, nodes: Container[str]) -> bool:
 def _version_after_round(edits: Sequence[TreeEdit], round: int) -> int:
     """Return the number of edits up to the last one of a round or of an earlier one.
 
-    A later round, a merge, and a run that numbers its rounds from the start end the count. If there is no such
-    edit, all edits up to that end count.
+    A later round, and a run that numbers its rounds from the start, end the count; a merge belongs to the round
+    after it. If there is no such edit, all edits up to that end or to a merge count.
     """
     end: int | None = None
+    merged: int | None = None
     last_round: int | None = None
     for index, edit in enumerate(edits):
+        if edit.origin:
+            merged = index if merged is None else merged
+            continue
         is_restart = last_round is not None and edit.round is not None and edit.round < last_round
         is_later = edit.round is not None and edit.round > round
-        if edit.origin or is_restart or is_later:
+        if is_restart or is_later:
             return index if end is None else end
         if edit.round is not None:
             end, last_round = index + 1, edit.round
+    if end is None:
+        end = merged
     return len(edits) if end is None else end
 
 

@@ -27,7 +27,7 @@ from oodscen._io.lock import locked
 from oodscen.errors import DataError, FolderTaken, InUse, StudyError, UsageError
 from oodscen.judging import leaderboard
 from oodscen.publish import score_answers
-from oodscen.publish._card import _cell, card
+from oodscen.publish._card import _cell, _without_folders, card
 from oodscen.publish._parquet import DRIVES, QUESTIONS
 from oodscen.publish._question_rows import published_drives, question_rows
 from oodscen.publish._replacing import SUMS, replacing
@@ -281,6 +281,17 @@ def test_a_card_that_was_changed_by_hand_is_kept(study, tmp_path):
     readme.unlink()
     study.publish(folder, forms=())
     assert content(folder) == first
+
+
+@pytest.mark.parametrize(
+    "text", ['{"llm":"builtin:/home/ann/h.toml","x":"a/b"}', "replay:../c/h.toml"]
+)
+def test_the_card_names_files_of_models_without_their_folders(text):
+    told = _without_folders(text)
+    assert ":h.toml" in told
+    assert "ann" not in told
+    assert ".." not in told
+    assert ('"x":"a/b"' in told) == ('"x"' in text)
 
 
 @given(st.text())

@@ -48,6 +48,10 @@ def test_rounds_and_stages_are_moments():
     assert [len(tree.at(stage=stage)) for stage in ("grow", "redteam", "prune")] == [3, 6, 7]
     again = tree.apply(add("e", stage="redteam", round=1))
     assert len(again.at(round=4)) == 6
+    merged = tree.apply(add("f", origin="merge-1", round=1), add("g", stage="redteam", round=5))
+    assert [len(merged.at(round=number)) for number in (4, 5)] == [6, 9]
+    unplayed = ScenarioTree.initial().apply(add("a", origin="merge-1"), add("b", round=1))
+    assert [len(unplayed.at(round=number)) for number in (0, 1)] == [4, 5]
 
 
 @pytest.mark.parametrize(

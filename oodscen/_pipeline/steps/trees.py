@@ -2,14 +2,14 @@
 
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.steps.making import makes, pruner, with_made
-from oodscen.errors import DataError, Issue, UsageError
+from oodscen.errors import DataError, Issue
 from oodscen.stages._grow import TreeGrower
 from oodscen.stages._prune.decisions import all_decisions, apply_decisions
 from oodscen.stages._prune.restoration import restoration
 from oodscen.stages._redteam.red_teamer import RedTeamer
 from oodscen.stages._redteam.thresholds import TOKENS
 from oodscen.study._rounds import rounds_on
-from oodscen.tree._scenario_tree import CLASSES, ROOT, ScenarioTree
+from oodscen.tree._scenario_tree import CLASSES, ScenarioTree
 
 
 def grow(run: Context) -> ScenarioTree:
@@ -27,7 +27,8 @@ def check_given(tree: ScenarioTree, iterations: int) -> None:
         DataError: If it has no nodes, no path although red teaming adds none, or a situation directly below the root.
     """
     inner = {node.parent for node in tree}
-    loose = [node for node in tree if node.parent == ROOT and node.id not in inner]
+    roots = {node.id for node in tree if node.parent is None}
+    loose = [node for node in tree if node.parent in roots and node.id not in inner]
     classes = {name.casefold() for name in CLASSES}
     issues = [
         Issue(
@@ -46,10 +47,7 @@ def check_given(tree: ScenarioTree, iterations: int) -> None:
 def _initial(run: Context) -> ScenarioTree:
     if run.config.tree is None:
         return TreeGrower(run.llm, nodes=run.config.nodes).run()
-    if run.options.tree is None:
-        raise UsageError(
-            "tree.initial.json is gone, and the study was given its tree: run it again with --tree"
-        )
+    assert run.options.tree is not None, "the pipeline has checked it"
     return run.options.tree
 
 

@@ -97,7 +97,11 @@ def _placed(place: str, issue: Issue) -> Issue:
 def _entries(path: Path) -> Iterator[_Entry]:
     if path.is_dir():
         for file in design_files(path):
-            yield from _entries(file)
+            try:
+                yield from _entries(file)
+            except DataError as error:
+                for issue in error.issues:
+                    yield _Entry(str(file), None, fault=issue.message)
         return
     source, text = str(path), read_utf8(path, Prop.noun)
     if path.suffix == ".toml":

@@ -66,6 +66,7 @@ def test_a_study_of_a_given_tree_has_its_paths(tmp_path):
         ({}, "has no path"),
         ({"root": LABELS["root"]}, "has no path"),
         (LABELS | {"deer": ("root", "Deer in the lane")}, "'Deer in the lane' lies directly below"),
+        ({"all": (None, "OOD"), "deer": ("all", "Deer")}, "'Deer' lies directly below"),
     ],
 )
 def test_a_tree_that_cannot_begin_a_study_is_refused_before_any_work(tmp_path, labels, fault):
@@ -73,6 +74,13 @@ def test_a_tree_that_cannot_begin_a_study_is_refused_before_any_work(tmp_path, l
     with pytest.raises(DataError, match=fault):
         run_study(out, CONFIG, tree=tree_of(labels))
     assert not out.exists()
+
+
+def test_a_given_tree_must_be_there_when_the_study_begins(tmp_path):
+    config = CONFIG.model_copy(update={"tree": tree_of().digest()})
+    with pytest.raises(UsageError, match="is to be given"):
+        run_study(tmp_path / "out", config)
+    assert not (tmp_path / "out").exists()
 
 
 def test_red_teaming_may_begin_at_the_classes(tmp_path):

@@ -137,3 +137,11 @@ def test_things_without_a_design_are_named_once_and_not_if_another_line_has_one(
     unmade = {"id": "odd_thing", "prop": None}
     path = lines(unmade, WALL, unmade, {"id": "low_wall", "prop": None})
     assert read_props(path).unmade == ["odd_thing"]
+
+
+def test_a_file_that_is_no_text_is_told_with_the_other_faults(tmp_path):
+    (tmp_path / "a.json").write_bytes(b"\xff\xfe")
+    (tmp_path / "b.json").write_text("{}")
+    faults = faults_in(tmp_path)
+    assert any(fault.startswith("a.json") and "UTF-8" in fault for fault in faults)
+    assert any(fault.startswith("b.json") for fault in faults)
