@@ -251,10 +251,18 @@ def test_an_hour_does_not_start_in_its_minutes(clock):
         "The street is free of cars, bikes or people. The lane is completely clear of vehicles.",
         "The ego is not in the left lane. There is no heavy traffic or rush hour.",
         "The lights have been dark since noon. The market stays open until midnight.",
+        "None of the cars stands in the ego's lane. Not one of the cows moves.",
     ],
 )
 def test_what_is_denied_with_more_words_or_comes_later_is_no_claim(text):
     assert told(text) == set()
+
+
+@pytest.mark.parametrize("denial", ["rather than", "as opposed to", "anywhere but"])
+def test_a_place_that_another_stands_for_is_not_claimed(denial):
+    claims = told(f"A deer stands on the right of the road, {denial} in the ego's lane.")
+    assert "deer place right" in claims
+    assert "deer place in_lane" not in claims
 
 
 @pytest.mark.parametrize("broken", ["broken off", "snapped off", "fallen from"])
