@@ -239,29 +239,35 @@ def test_doctor_finds_this_installation_healthy():
     assert set(findings) == {"python", "built-in author", "encoder", "simulator", "language models"}
 
 
-def test_doctor_judges_an_adapter(tmp_path, monkeypatch):
+@pytest.fixture
+def own_simulator(tmp_path, monkeypatch):
+    """Return the name of a simulator whose steps are the given code."""
+
+    def write(step):
+        (tmp_path / "own_simulator.py").write_text(
+            "import os\n\nfrom oodscen.testing._flat import FlatSimulator\n\n\nclass Own(FlatSimulator):\n"
+            f"    name = 'own'\n\n    def step(self, control):\n        {step}\n"
+        )
+        monkeypatch.syspath_prepend(str(tmp_path))
+        return "own_simulator:Own"
+
+    return write
+
+
+def test_doctor_judges_an_adapter(own_simulator):
     result = call("doctor", "flat", "--quick")
     assert result.exit_code == 0
     assert "28 behaviours) shows" in result.stdout
-    (tmp_path / "odd_simulator.py").write_text(
-        "from oodscen.testing._flat import FlatSimulator\n\n\nclass Odd(FlatSimulator):\n    name = 'odd'\n\n"
-        "    def step(self, control):\n        return super().step(type(control)())\n"
-    )
-    monkeypatch.syspath_prepend(str(tmp_path))
-    result = call("doctor", "odd_simulator:Odd", "--quick", "--json")
+    odd = own_simulator("return super().step(type(control)())")
+    result = call("doctor", odd, "--quick", "--json")
     assert result.exit_code == 1
     faults = [row["detail"] for row in json.loads(result.stdout)]
     assert "controls: accelerating and braking do not change the speed as they should" in faults
     assert call("doctor", "pybulet").exit_code == 2
 
 
-def test_doctor_finds_an_adapter_that_ends_its_process(tmp_path, monkeypatch):
-    (tmp_path / "ending_simulator.py").write_text(
-        "import os\n\nfrom oodscen.testing._flat import FlatSimulator\n\n\nclass Ending(FlatSimulator):\n"
-        "    def step(self, control):\n        os._exit(0)\n"
-    )
-    monkeypatch.syspath_prepend(str(tmp_path))
-    result = call("doctor", "ending_simulator:Ending", "--quick", "--json")
+def test_doctor_finds_an_adapter_that_ends_its_process(own_simulator):
+    result = call("doctor", own_simulator("os._exit(0)"), "--quick", "--json")
     assert result.exit_code == 1
     (finding,) = json.loads(result.stdout)
     assert (finding["is_ok"], finding["detail"]) == (False, "its process died (exit code 0)")

@@ -32,7 +32,7 @@ from oodscen.data._pairing import kind_of
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene
 from oodscen.data._verdict import Verdict
-from oodscen.errors import OodscenError, RunStopped, StudyError, StudyMismatch, UsageError
+from oodscen.errors import OodscenError, RunStopped, StudyError, StudyMismatch
 from oodscen.llm._accounting import accounts
 from oodscen.report._render import write_report
 from oodscen.study._config import JUDGING, Status, StudyConfig
@@ -183,12 +183,7 @@ class Pipeline:
 
     def _check(self) -> None:
         """Check that the folder belongs to this run and that its files are intact."""
-        if self.context.options.tree is not None:
-            check_given(self.context.options.tree, self.config.iterations)
-        elif self.config.tree is not None and not self.store.holds("tree.initial.json"):
-            raise UsageError(
-                "the study has no tree.initial.json, and a tree is to be given: give it again (--tree)"
-            )
+        check_given(self.context)
         if self.store.has("study.json"):
             differences = self.study.config.differences(self.config)
             for name in JUDGING:

@@ -2,7 +2,7 @@
 
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.steps.making import makes, pruner, with_made
-from oodscen.errors import DataError, Issue
+from oodscen.errors import DataError, Issue, UsageError
 from oodscen.stages._grow import TreeGrower
 from oodscen.stages._prune.decisions import all_decisions, apply_decisions
 from oodscen.stages._prune.restoration import restoration
@@ -20,12 +20,20 @@ def grow(run: Context) -> ScenarioTree:
     return run.study.tree("initial")
 
 
-def check_given(tree: ScenarioTree, iterations: int) -> None:
-    """Check that a study can begin with a tree.
+def check_given(run: Context) -> None:
+    """Check that a study has the tree that it is to be given, and can begin with it.
 
     Raises:
+        UsageError: If it has none.
         DataError: If it has no nodes, no path although red teaming adds none, or a situation directly below the root.
     """
+    tree = run.options.tree
+    if tree is None:
+        if run.config.tree is not None and not run.store.holds("tree.initial.json"):
+            raise UsageError(
+                "the study has no tree.initial.json, and a tree is to be given: give it again (--tree)"
+            )
+        return
     inner = {node.parent for node in tree}
     roots = {node.id for node in tree if node.parent is None}
     loose = [node for node in tree if node.parent in roots and node.id not in inner]
@@ -38,7 +46,7 @@ def check_given(tree: ScenarioTree, iterations: int) -> None:
         for node in loose
         if node.label.casefold() not in classes
     ]
-    if not issues and not (tree.paths or (len(tree) and iterations)):
+    if not issues and not (tree.paths or (len(tree) and run.config.iterations)):
         issues = [Issue("", "has no path, and red teaming adds none")]
     if issues:
         raise DataError(tree.noun, issues)
@@ -47,7 +55,7 @@ def check_given(tree: ScenarioTree, iterations: int) -> None:
 def _initial(run: Context) -> ScenarioTree:
     if run.config.tree is None:
         return TreeGrower(run.llm, nodes=run.config.nodes).run()
-    assert run.options.tree is not None, "the pipeline has checked it"
+    assert run.options.tree is not None, "check_given has checked it"
     return run.options.tree
 
 

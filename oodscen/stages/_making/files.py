@@ -73,9 +73,9 @@ def read_props(path: Path, assets: Sequence[Asset] | None = None) -> Designs:
             unmade[one.id] = None
             continue
         first, its_place = found.setdefault(one.id, (one, place))
-        if first is not one and first == one:
-            continue
         if first is not one:
+            if first == one:
+                continue
             fault = f"{its_place or path.name} holds another design with the id {one.id!r}"
             issues.append(_placed(place, Issue("id", fault)))
         if assets is not None:
