@@ -9,16 +9,22 @@ from oodscen.errors import UsageError
 from oodscen.stages._redteam.rarity import BARREN, COMMON_KM, RAREST_KM, WantedRarity
 from oodscen.stages._redteam.rounds import Round
 from oodscen.testing import ScriptedLLM
+from oodscen.tree._scenario_tree import TreeEdit
 from tests.stages.redteam.test_red_teamer import ADDED, PIANO, TREE, model
 
 decisions = st.sampled_from(["add", "split", "broaden", "covered", "duplicate", None])
+SPLIT = (
+    TreeEdit(op="broaden", node="a", label="wide"),
+    TreeEdit(op="add", node="a-2", parent="a", label="old"),
+)
 
 
 @given(st.lists(decisions, max_size=60))
 def test_rarer_kinds_are_asked_for_only_when_nothing_new_comes(found):
     rarity, before = WantedRarity(), COMMON_KM
     for number, decision in enumerate(found, start=1):
-        rarity.add(Round(round=number, decision=decision))
+        edits = SPLIT if decision == "split" else ()
+        rarity.add(Round(round=number, decision=decision, edits=edits))
         most = rarity.wanted[1]
         assert before <= most <= RAREST_KM
         if decision in ("add", "split", None):

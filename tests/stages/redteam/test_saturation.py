@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from oodscen.errors import DataError
 from oodscen.stages._redteam.rounds import Round
 from oodscen.stages._redteam.saturation import chao1, saturation
 from oodscen.tree._scenario_tree import TreeEdit
@@ -89,3 +90,22 @@ def test_estimates_lie_where_they_can(kinds):
 def test_the_curve_of_a_prefix_is_a_prefix_of_the_curve(kinds, cut):
     rounds = log(*kinds)
     assert saturation(rounds[:cut]).curve == saturation(rounds).curve[:cut]
+
+
+@pytest.mark.parametrize(
+    ("change", "path"),
+    [
+        ({"decision": "split", "kind": "B"}, "edits"),
+        ({"decision": "split", "kind": "B", "edits": [{"op": "keep", "node": "A"}]}, "edits"),
+        ({"round": 0}, "round"),
+        ({"once_in_km": 0}, "once_in_km"),
+        ({"similarity": 1.5}, "similarity"),
+        ({"calls": -1}, "calls"),
+        ({"nodes": -1}, "nodes"),
+        ({"seen": -1}, "seen"),
+    ],
+)
+def test_a_round_that_cannot_have_been_played_is_refused(change, path):
+    with pytest.raises(DataError) as refused:
+        Round.parse({"round": 1, **change})
+    assert [issue.path for issue in refused.value.issues] == [path]
