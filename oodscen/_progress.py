@@ -41,9 +41,10 @@ def reporting(progress: Progress | bool | None, note: object = "") -> Iterator[P
     bars: dict[str, tqdm[Any]] = {}
 
     def show(stage: str, done: int, total: int) -> None:
-        if stage not in bars:
-            bars[stage] = tqdm(total=total, desc=f"{stage:13}")
-        bar = bars[stage]
+        bar = bars.get(stage)
+        # A stage may come again, with other items. What was done before does not count into its speed.
+        if bar is None or (bar.disable and done < total):
+            bar = bars[stage] = tqdm(total=total, initial=done, desc=f"{stage:13}")
         bar.total = total
         if text := str(note):
             bar.set_postfix_str(text, refresh=False)

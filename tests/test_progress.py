@@ -89,3 +89,18 @@ def test_staging_and_driving_report_to_their_ends():
         found = drive([example_scene()], RuleBasedDriver, flat, twins=False, progress=told)
     assert len(found) == 1
     assert is_whole(told, "drive")
+
+
+def test_a_stage_that_comes_again_has_a_bar_again_but_an_ended_one_has_none(capfd):
+    with reporting(True) as told:
+        for done, total in ((0, 2), (2, 2), (2, 2), (3, 7), (7, 7)):
+            told("simulate", done, total)
+    shown = capfd.readouterr().err
+    assert shown.count("2/2") == 1
+    assert "7/7" in shown
+
+
+def test_a_bar_begins_at_what_was_done_before(capfd):
+    with reporting(True) as told:
+        told("simulate", 500, 740)
+    assert " 0/740" not in capfd.readouterr().err
