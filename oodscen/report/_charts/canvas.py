@@ -42,6 +42,10 @@ _SETS = ("#8b9098", "#1d5a9e", "#b23a1e", "#0f7558", "#7a5200", "#c27c0e")
 """Colours of the classes `set-0`, `set-1` ..., by which sets of texts are told apart."""
 _INCHES = 7.2
 _FONT = 12.0
+CHARACTER = 6.5
+"""Mean width of a character, in a picture's own coordinates."""
+_LONGEST_LABEL = 66
+"""Most characters of a name in a legend, which then fills a row."""
 
 
 class Canvas:
@@ -105,11 +109,12 @@ class Canvas:
         self.text("tick middle", x, bottom + 16, label)
 
     def legend(self, entries: Sequence[tuple[str, str]], top: float) -> None:
-        """Draw classes and names of sets, three in a row; see `legend_height`."""
+        """Draw classes and names of sets, three in a row or as many as fit; see `legend_height`."""
+        columns = _legend_columns(entries)
         for index, (kind, label) in enumerate(entries):
-            x, y = 10 + 155 * (index % 3), top + 18 * (index // 3)
+            x, y = 10 + (WIDTH - 15) / columns * (index % columns), top + 18 * (index // columns)
             self.circle(kind, x, y - 4, 5)
-            self.text("tick", x + 10, y, label)
+            self.text("tick", x + 10, y, short(label, _LONGEST_LABEL))
 
     def __html__(self) -> str:
         """Return the picture as inline SVG, which templates insert as it is."""
@@ -219,9 +224,14 @@ def set_class(index: int) -> str:
     return f"set-{1 + (index - 1) % colours if index else 0}"
 
 
-def legend_height(entries: Sequence[object]) -> float:
-    """Return the height that a legend of this many entries takes."""
-    return 18.0 * math.ceil(len(entries) / 3)
+def legend_height(entries: Sequence[tuple[str, str]]) -> float:
+    """Return the height that a legend takes."""
+    return 18.0 * math.ceil(len(entries) / _legend_columns(entries))
+
+
+def _legend_columns(entries: Sequence[tuple[str, str]]) -> int:
+    longest = max((len(label) for _, label in entries), default=0)
+    return min(max(int(WIDTH / (25 + CHARACTER * longest)), 1), 3)
 
 
 def linear(low: float, high: float, start: float, end: float) -> Callable[[float], float]:

@@ -7,13 +7,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from oodscen.report._charts.canvas import WIDTH, Canvas, legend_height, linear, set_class, signed
+from oodscen.report._charts.canvas import (
+    CHARACTER,
+    WIDTH,
+    Canvas,
+    legend_height,
+    linear,
+    set_class,
+    short,
+    signed,
+)
 
 _STRIP, _GAP = 40, 10
 _BOX = 34
 _CURVE, _MAP = 210, 300
 _NAMES = 104
-"""Width of the column of names."""
+"""Least width of the column of names."""
+_LONGEST_NAME = 32
+"""Most characters of a name in that column."""
 _LEAST_SPAN = 1e-9
 """Least span of an axis: a single value has none."""
 _ROUNDING = 1e-9
@@ -62,12 +73,13 @@ def histogram(
         marker_label: Label of that value.
         quantity: Name of the values.
     """
+    left = _names_width([strip.label for strip in strips])
     right, height = WIDTH - 18, 22 + len(strips) * (_STRIP + _GAP)
     edges = [value for strip in strips for value in strip.values]
     edges += [] if marker is None else [marker]
     step = _step(max(edges) - min(edges), 10, least=0.1)
     low, high = _floor(min(edges), step), _floor(max(edges), step) + step
-    x, ticks = linear(low, high, _NAMES, right), round((high - low) / step)
+    x, ticks = linear(low, high, left, right), round((high - low) / step)
     canvas = Canvas(
         f"{quantity} per text: "
         + "; ".join(
@@ -84,19 +96,19 @@ def histogram(
         counts = np.histogram(np.clip(strip.values, low, high), max(5 * ticks, 1), (low, high))[
             0
         ].tolist()
-        width = (right - _NAMES) / len(counts)
+        width = (right - left) / len(counts)
         for index, count in enumerate(counts):
             if count:
                 tall = _STRIP * count / max(counts)
-                at = _NAMES + width * index + 0.5
+                at = left + width * index + 0.5
                 canvas.rect("bar", at, base - tall, max(width - 1, 0.5), tall)
-        canvas.line("grid", _NAMES, base, right, base)
+        canvas.line("grid", left, base, right, base)
         _row_label(canvas, base - 18, strip.label, len(strip.values))
         canvas.text("tick", 0, base + 8, f"mean {signed(strip.mean)}")
         canvas.line("mean", x(strip.mean), base, x(strip.mean), base - _STRIP - 4)
     if marker is not None:
         canvas.line("reference", x(marker), 4, x(marker), height)
-        end, gap = (" end", -5) if x(marker) > (_NAMES + right) / 2 else ("", 5)
+        end, gap = (" end", -5) if x(marker) > (left + right) / 2 else ("", 5)
         canvas.text(f"tick{end}", x(marker) + gap, 12, marker_label)
     return canvas
 
@@ -107,7 +119,7 @@ def boxes(rows: Sequence[tuple[str, Sequence[float]]]) -> Canvas:
     low, high = math.floor(min(ends)), math.ceil(max(ends))
     high = max(high, low + 1)
     height = 12 + _BOX * len(rows)
-    x = linear(low, high, _NAMES, WIDTH - 14)
+    x = linear(low, high, _names_width([name for name, _ in rows]), WIDTH - 14)
     canvas = Canvas("Scores of the detector by set", height + 22)
     for value in range(low, high + 1, max(1, math.ceil((high - low) / 8))):
         canvas.column(x(value), 6, height, signed(value, 0))
@@ -207,7 +219,9 @@ def scatter(clouds: Sequence[Cloud], title: str, axes: tuple[str, str]) -> Canva
     ]
     canvas = Canvas(title, _MAP + 44 + legend_height(entries))
     for value in np.linspace(left, right, 5).tolist():
-        canvas.text("tick middle", x(value), _MAP + 8, f"{value:.1f}")
+        canvas.text(
+            "tick middle", x(value), _MAP + 8, signed(value, _digits_of((right - left) / 4))
+        )
     for value in np.linspace(bottom, top, 4).tolist():
         canvas.row(y(value), 40, WIDTH - 14, signed(value, 2))
     for place, cloud in enumerate(clouds, 1):
@@ -219,8 +233,14 @@ def scatter(clouds: Sequence[Cloud], title: str, axes: tuple[str, str]) -> Canva
 
 
 def _row_label(canvas: Canvas, y: float, label: str, n: int) -> None:
-    canvas.text("name", 0, y, label)
+    canvas.text("name", 0, y, short(label, _LONGEST_NAME))
     canvas.text("tick", 0, y + 13, f"n = {n}")
+
+
+def _names_width(names: Sequence[str]) -> float:
+    """Return the width of a column of names in bold."""
+    longest = min(max(map(len, names)), _LONGEST_NAME)
+    return max(_NAMES, 1.1 * CHARACTER * longest + 10)
 
 
 def _floor(value: float, step: float) -> float:
@@ -231,6 +251,11 @@ def _step(span: float, ticks: int, *, least: float) -> float:
     """Return a round step that cuts a span into at most about this many parts."""
     sizes = (factor * least * 10**power for power in range(9) for factor in (1, 2, 5))
     return next((size for size in sizes if span / size <= ticks), span / ticks)
+
+
+def _digits_of(step: float) -> int:
+    """Return the number of decimals that tells ticks apart which are this far from each other, at least one."""
+    return min(max(1, -math.floor(math.log10(max(step, _LEAST_SPAN)))), 9)
 
 
 def _digits(step: float) -> int:

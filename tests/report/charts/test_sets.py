@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from lxml import etree
 
 from oodscen.report._charts.canvas import Canvas, signed
-from oodscen.report._charts.sets import HistogramRow, histogram
+from oodscen.report._charts.sets import Cloud, HistogramRow, cloud_map, histogram, scatter
 
 SCORES = st.lists(st.floats(-1, 1), min_size=1, max_size=30)
 
@@ -59,3 +59,31 @@ def test_a_figure_for_files_has_the_words_of_the_picture() -> None:
     drawn = histogram([HistogramRow("fog", [0.1, 0.3], 0.2)], 0.25, "ordinary")
     words = [text.get_text() for text in drawn.figure().axes[0].texts]
     assert words == parse(drawn).xpath("//text()[parent::text]")
+
+
+LABELS = st.lists(
+    st.text("abcdefgh ", min_size=1, max_size=90), min_size=1, max_size=5, unique=True
+)
+
+
+@given(LABELS)
+def test_names_of_any_length_keep_clear_of_each_other_and_of_the_bars(labels: list[str]) -> None:
+    bars = parse(histogram([HistogramRow(label, [0.0, 1.0], 0.5) for label in labels]))
+    left = min(map(float, bars.xpath("//*[@class='bar']/@x")))
+    assert all(7 * len(name.text) < left for name in bars.xpath("//*[@class='name']"))
+    drawn = parse(cloud_map([Cloud(label, [[0.0, 1.0]]) for label in labels], (0.5, 0.2), colour=1))
+    *words, _ = drawn.xpath("//*[@class='tick']")
+    ends: dict[str, float] = {}
+    for word in words:
+        assert float(word.get("x")) > ends.get(word.get("y"), 0)
+        ends[word.get("y")] = float(word.get("x")) + 6 * len(word.text)
+    assert max(ends.values()) < 480
+    assert max(map(float, ends)) < float(drawn.get("viewBox").split()[3])
+
+
+@given(st.floats(-1e3, 1e3), st.floats(1e-6, 1e3))
+def test_ticks_of_a_narrow_range_differ(least: float, span: float) -> None:
+    drawn = parse(scatter([Cloud("a", [[least, 0.0], [least + span, 1.0]])], "t", ("a", "b")))
+    ticks = drawn.xpath("//*[@class='tick middle']/text()")
+    assert len(set(ticks)) == len(ticks) == 5
+    assert not any("-" in tick for tick in ticks)
