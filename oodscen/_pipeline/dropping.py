@@ -8,7 +8,7 @@ from oodscen._pipeline.steps.aspects import judged, unjudged
 from oodscen._pipeline.steps.judge import outcomes
 from oodscen._registry import make_llm
 from oodscen.data._base import canonical_json
-from oodscen.data._verdict import Verdict, without_pictures
+from oodscen.data._verdict import Verdict, is_without_pictures, without_pictures
 from oodscen.errors import OodscenError, UnknownComponent
 from oodscen.judging._people import as_name, is_person, person
 from oodscen.judging._references import ALWAYS
@@ -31,7 +31,8 @@ def drop_models(study: Study, names: Sequence[str]) -> dict[str, int]:
         names: Names as in `vlms`, or as in verdicts.
 
     Returns:
-        The number of removed verdicts by name.
+        The number of removed verdicts by name; for a model that can no longer be made, of those that no other model
+        accounts for.
 
     Raises:
         UnknownComponent: When a name was never judged, with close matches.
@@ -70,8 +71,11 @@ def without_models(study: Study, names: Sequence[str]) -> Remaining:
     counts = Counter(verdict.model for verdict in verdicts if verdict.model in models)
     people = tuple(name for name in config.people if person(name) not in models)
     config = _remaining(config, dropped).model_copy(update={"people": people})
+    unclaimed = models - {*answerers.values()}
     return Remaining(
-        config, remaining, {name: counts[answerers.get(name) or name] for name in names}
+        config,
+        remaining,
+        {name: _count(name, answerers.get(name, name), counts, unclaimed) for name in names},
     )
 
 
@@ -139,6 +143,16 @@ def _dropped_models(
     if all(remaining):
         models |= {verdict.model for verdict in verdicts} - {*remaining}
     return models - {*ALWAYS}
+
+
+def _count(
+    name: str, model: str | None, counts: Mapping[str, int], unclaimed: Iterable[str]
+) -> int:
+    """Return how many verdicts are removed under a name: those of its model, or of unclaimed ones if it has none."""
+    if model is not None:
+        return counts.get(model, 0)
+    form = is_without_pictures(name)
+    return sum(counts.get(other, 0) for other in unclaimed if is_without_pictures(other) is form)
 
 
 def _remaining(config: StudyConfig, dropped: Collection[str]) -> StudyConfig:

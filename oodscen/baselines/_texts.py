@@ -22,8 +22,7 @@ def check_texts(texts: Sequence[str | Scenario], noun: str = "text set") -> tupl
         DataError: If the texts are no sequence or there is none; otherwise with an issue for each text
             that is no string, is blank or too long, holds a NUL character, or is not valid Unicode.
     """
-    is_ordered = isinstance(texts, Iterable) and not isinstance(texts, _NO_SEQUENCES)
-    if not is_ordered or getattr(texts, "ndim", 1) != 1:
+    if not is_ordered(texts) or getattr(texts, "ndim", 1) != 1:
         fault = f"is {type(texts).__name__}, not a sequence of texts"
         raise DataError(noun, [Issue("", fault)])
     strings = [item.text if isinstance(item, Scenario) else item for item in texts]
@@ -32,6 +31,11 @@ def check_texts(texts: Sequence[str | Scenario], noun: str = "text set") -> tupl
     if not strings:
         raise DataError(noun, [Issue("", "holds no text")])
     return tuple(strings)
+
+
+def is_ordered(values: object) -> bool:
+    """Return whether a value holds elements in an order and can be read more than once."""
+    return isinstance(values, Iterable) and not isinstance(values, _NO_SEQUENCES)
 
 
 def fault_of(text: object) -> str:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from oodscen._arguments import checked
 from oodscen._display import Brief
 from oodscen._members import conforming
-from oodscen._numbers import finite_number, seed_number, whole_number
+from oodscen._numbers import finite_number, said, seed_number, whole_number
 from oodscen._progress import Progress, reporting
 from oodscen._seeding import stream
 from oodscen.baselines._baseline import Baseline
@@ -25,7 +25,7 @@ from oodscen.baselines._embedded import (
 )
 from oodscen.baselines._loading import load_baseline
 from oodscen.baselines._ordinary import ordinary_driving
-from oodscen.baselines._texts import check_texts
+from oodscen.baselines._texts import check_texts, is_ordered
 from oodscen.data._scenario import Scenario
 from oodscen.encoders._all_minilm import all_minilm
 from oodscen.errors import DataError, Issue, UsageError
@@ -80,7 +80,7 @@ class Metrics(Brief):
         self.encoder: Encoder = all_minilm() if encoder is None else conforming("encoder", encoder)
         self.baseline = _as_baseline(baseline, self.encoder)
         self.seed = seed_number(seed)
-        self._space = BaselineSpace(self.encoder, self.baseline, seed, device)
+        self._space = BaselineSpace(self.encoder, self.baseline, self.seed, device)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle what it was made of; vectors are computed again, and embeddings on disk read from there."""
@@ -126,7 +126,7 @@ class Metrics(Brief):
         Raises:
             DataError: If there is no text, one is blank, the anchors are not valid rates, or there are more or
                 fewer groups than texts.
-            UsageError: If `draws` is not a whole number from 1 to 100.
+            UsageError: If `groups` is no sequence of labels, or `draws` is not a whole number from 1 to 100.
             EncoderError: If the encoder fails.
             LLMError: If the model cannot be reached; answers without a figure are flagged instead.
         """
@@ -208,6 +208,7 @@ class Metrics(Brief):
 
         Raises:
             DataError: If there is no text, one is blank, or `groups` has another length.
+            UsageError: If `groups` is no sequence of labels or paths.
             EncoderError: If the encoder fails.
         """
         plain = check_texts(texts)
@@ -232,7 +233,11 @@ class Metrics(Brief):
 
     @checked
     def held_out_scores(self, definition: Measure = "tabulated") -> tuple[float, ...]:
-        """Return the OOD-ness of baseline texts held out in groups of similar texts, for calibration."""
+        """Return the OOD-ness of baseline texts held out in groups of similar texts, for calibration.
+
+        Raises:
+            UsageError: If the baseline has a single text, or is known by its embeddings alone.
+        """
         return tuple(self._space.held_out(definition)[0].tolist())
 
     @checked
@@ -519,7 +524,10 @@ def _clusters(
 
     Raises:
         DataError: If there are more or fewer groups than texts.
+        UsageError: If the groups are no sequence of labels or paths.
     """
+    if groups is not None and not is_ordered(groups):
+        raise UsageError(f"groups must be a sequence of labels, not {said(groups, 80)}")
     clusters = paths_of(texts) if groups is None else tuple(map(group_name, groups))
     if clusters is not None and len(clusters) != len(texts):
         issue = Issue("", f"has {len(clusters)} labels for {len(texts)} texts")

@@ -86,6 +86,16 @@ def test_needless_braking_is_a_share_of_the_twins_in_which_it_was_looked_for(bra
     assert "needless" not in board.of("mine").shares
 
 
+def test_needless_braking_that_nobody_looked_for_is_not_spoken_of():
+    found = [
+        drive.model_copy(update={"brakes_needlessly": None})
+        for drive in drives("mine", [(True, True)])
+    ]
+    (said,) = drive_board(found).sentences()
+    assert "drives and passes" in said
+    assert "without need" not in said
+
+
 def test_who_stands_still_passes_every_scene_and_ranks_last():
     outcomes = [(True, True)] * 12
     ruled = drives(RULE_BASED, [*outcomes[1:], (False, True)])

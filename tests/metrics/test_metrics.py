@@ -190,6 +190,13 @@ def test_groups_may_be_numbers_and_nothing_else():
             metrics.report(["a", "d"], ["p", label])
 
 
+def test_groups_are_a_sequence_in_an_order():
+    metrics = Metrics(ENCODER, ["b", "c"])
+    for groups in ("pq", {"p", "q"}, 2):
+        with pytest.raises(UsageError, match="groups"):
+            metrics.report(["a", "d"], groups)
+
+
 def test_an_unknown_definition_lists_all():
     metrics = Metrics(ENCODER, ["b", "c"])
     for measure in (metrics.oodness, metrics.report):

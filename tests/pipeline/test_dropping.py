@@ -94,7 +94,7 @@ def test_a_replay_goes_by_either_name_and_when_its_file_is_gone(made, tmp_path) 
     assert drop_models(copies[0], [name]) == {name: len(asked_about(study))}
     assert drop_models(copies[1], [called]) == {called: len(asked_about(study))}
     recording.unlink()
-    drop_models(study, [name])
+    assert drop_models(study, [name]) == {name: len(asked_about(study))}
     for one in (study, *copies):
         assert one.config.vlms == ()
         assert {row.model for row in one.verdicts} == {*ALWAYS}

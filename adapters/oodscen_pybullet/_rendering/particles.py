@@ -15,7 +15,8 @@ from oodscen_pybullet._types import F32, U8, Mask, Point
 def add_puffs(image: U8, picture: RawPicture, rate: float, air: Sequence[float]) -> None:
     """Blend smoke, fire and dust into a picture, farthest first, in place.
 
-    Pixels more than half covered by a body's balls get its row, and at most the distance of its middle ball.
+    Pixels more than half covered by a body's balls get its row, and at most the distance of its middle ball; where
+    several bodies cover one, the body with the nearest middle ball counts.
 
     Args:
         image: [height, width, 3]
@@ -35,12 +36,11 @@ def add_puffs(image: U8, picture: RawPicture, rate: float, air: Sequence[float])
         cover = covers.setdefault(row, np.zeros(shot.depth.shape, np.float32))
         draw_puff(image, shot.depth, cover, circle, np.array(colour, np.float32))
         distances.setdefault(row, []).append(ahead)
-    for row in sorted(covers):
+    middles = {row: sorted(aheads)[len(aheads) // 2] for row, aheads in distances.items()}
+    for row in sorted(middles, key=lambda row: -middles[row]):
         is_filled = covers[row] > np.float32(0.5)
-        far = sorted(distances[row])
         shot.rows[is_filled] = row
-        middle = np.float32(far[len(far) // 2])
-        shot.depth[is_filled] = np.minimum(shot.depth[is_filled], middle)
+        shot.depth[is_filled] = np.minimum(shot.depth[is_filled], np.float32(middles[row]))
 
 
 def covered_pixels(view: CameraView, balls: Sequence[PlacedPuff]) -> Mask:

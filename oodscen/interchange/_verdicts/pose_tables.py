@@ -29,7 +29,7 @@ def csv_poses(text: str, source: str) -> Iterator[BodyPose]:
     Raises:
         DataError: If a column is missing or a cell is malformed, with the line.
     """
-    table = csv.DictReader(io.StringIO(text), restkey=_EXCESS, skipinitialspace=True)
+    table = csv.DictReader(io.StringIO(text, newline=None), restkey=_EXCESS, skipinitialspace=True)
     try:
         columns = table.fieldnames or ()
     except csv.Error as error:
@@ -43,10 +43,7 @@ def csv_poses(text: str, source: str) -> Iterator[BodyPose]:
         time, x, y, z, h = (
             _number(cells[name], where, name, source) for name in ("time", "x", "y", "z", "h")
         )
-        name = (row["name"] or "").strip()
-        if len(name) > _LONGEST_NAME:
-            raise fault(where, f"a name has {len(name):,} characters", source)
-        yield BodyPose(time, name, (x, y, z, h))
+        yield BodyPose(time, _name((row["name"] or "").strip(), where, source), (x, y, z, h))
 
 
 def _check_columns(columns: Sequence[str], source: str) -> None:
@@ -113,7 +110,7 @@ class _EsminiLine:
         )
         level = ahead * math.cos(pitch)
         x, y = x + level * math.cos(heading), y + level * math.sin(heading)
-        name = self.text(f"#{body} Entity_Name [-]")
+        name = _name(self.text(f"#{body} Entity_Name [-]"), self.where, self.source)
         return BodyPose(time, name, (x, y, z - ahead * math.sin(pitch), heading))
 
 
@@ -137,6 +134,12 @@ def esmini_poses(lines: Sequence[str], source: str) -> Iterator[BodyPose]:
         time = line.number("TimeStamp [s]", "TimeStamp")
         for body in range(1, body_count + 1):
             yield line.pose(time, body)
+
+
+def _name(name: str, where: str, source: str) -> str:
+    if len(name) > _LONGEST_NAME:
+        raise fault(where, f"a name has {len(name):,} characters", source)
+    return name
 
 
 def _number(text: str | None, where: str, label: str, source: str) -> float:

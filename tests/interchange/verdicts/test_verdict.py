@@ -108,12 +108,13 @@ def same(one, other):
     )
 
 
-def test_poses_come_back_from_csv(tmp_path):
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_poses_come_back_from_csv(tmp_path, end):
     poses = played(SCENES[0], "stop")
     path = tmp_path / "scene.csv"
     lines = ["time, name, x, y, z, h"]
     lines += [f"{time:.6f},{name},{x},{y},{z},{h}" for time, name, (x, y, z, h) in rows(poses)]
-    path.write_text("\n".join(lines))
+    path.write_text(end.join(lines), newline="")
     assert same(poses, read_poses(path))
 
 
@@ -140,6 +141,21 @@ def test_poses_come_back_from_the_log_of_esmini(tmp_path):
         lines += [", ".join(cells), ""]
     path.write_text("\n".join(lines))
     assert same(poses, read_poses(path))
+
+
+def test_a_name_without_end_in_the_log_of_esmini_is_refused(tmp_path):
+    head = (
+        "Entity_Name [-],bb_x [m],World_Position_X [m],World_Position_Y [m],World_Position_Z [m],"
+    )
+    head += "World_Heading_Angle [rad],World_Pitch_Angle [rad]"
+    columns = ["Index [-]", "TimeStamp [s]", *(f"#1 {name}" for name in head.split(","))]
+    path = tmp_path / "scene.csv"
+    cells = f"0, 0.0, {'e' * 9999}, 1.5, 0, 0, 0, 0, 0"
+    path.write_text(
+        "\n".join(["esmini GIT REV: x", "Number of Vehicles: 1", ", ".join(columns), cells])
+    )
+    with pytest.raises(DataError, match="a name has 9,999 characters"):
+        read_poses(path)
 
 
 def test_a_short_line_of_the_log_of_esmini_is_named_so(tmp_path):

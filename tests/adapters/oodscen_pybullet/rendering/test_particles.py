@@ -20,13 +20,13 @@ def blend(
 ) -> tuple[np.ndarray, np.ndarray]:
     image = np.full((120, 160, 3), 100, np.uint8)
     shot = plain_shot(VIEW, depth)
-    raw = RawPicture(shot, VIEW, Weather(), light, (), 0.0, 0, 0.0, balls=[at_20_m(puff, 3)])
+    raw = RawPicture(shot, VIEW, Weather(), light, (), 0.0, 0, 0.0, balls=[placed(puff, 3)])
     add_puffs(image, raw, rate, (200.0, 200.0, 200.0))
     return image, shot.rows
 
 
-def at_20_m(puff: Puff, row: int) -> PlacedPuff:
-    return PlacedPuff(puff.placed((20.0, 0.0, 0.0), (1.0, 0.0)), row)
+def placed(puff: Puff, row: int, ahead: float = 20.0) -> PlacedPuff:
+    return PlacedPuff(puff.placed((ahead, 0.0, 0.0), (1.0, 0.0)), row)
 
 
 def smoke(density: float = 0.9, *, is_bright: bool = False) -> Puff:
@@ -67,7 +67,17 @@ def test_fog_takes_smoke_as_it_takes_everything() -> None:
     assert foggy > clear + 60
 
 
+@pytest.mark.parametrize("near", [3, 5])
+def test_of_two_clouds_in_line_the_nearer_is_seen(near: int) -> None:
+    shot = plain_shot(VIEW, 60.0)
+    balls = [placed(smoke(), near, 10.0), placed(smoke(), 8 - near, 30.0)]
+    raw = RawPicture(shot, VIEW, Weather(), DAY, (), 0.0, 0, 0.0, balls=balls)
+    add_puffs(np.full((120, 160, 3), 100, np.uint8), raw, 0.0, (200.0, 200.0, 200.0))
+    assert shot.rows[60, 80] == near
+    assert shot.depth[60, 80] == pytest.approx(10.0, abs=1.0)
+
+
 def test_what_a_body_would_fill_alone() -> None:
-    area = covered_pixels(VIEW, [at_20_m(smoke(), 2)])
+    area = covered_pixels(VIEW, [placed(smoke(), 2)])
     assert 0 < area.sum() == pytest.approx(blend(smoke(), 40.0)[1].__eq__(3).sum(), abs=30)
     assert not covered_pixels(VIEW, []).any()
