@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +15,10 @@ from oodscen.errors import Issue, SimulatorError, SpawnError
 from oodscen.protocols import Camera, Control, Frame
 from oodscen_sumo._catalogue import DRIVEN, load_catalogue
 from oodscen_sumo._network import Networks, load_sumo
+from oodscen_sumo._places import FrontBumper, LanePlace
 
-CHANGES_LANE = having(lambda row: row.plain_action == "lane_change")
-GRIP_MPS2 = 9.0
+_CHANGES_LANE = having(lambda row: row.plain_action == "lane_change")
+_GRIP_MPS2 = 9.0
 """Maximum braking on a dry road, m/s^2."""
 _BRAKING_MPS2, _STOPPING_MPS2 = 4.5, 2.5
 """Braking of drivers without urgency, and in stop-and-go traffic, m/s^2."""
@@ -25,7 +26,7 @@ _HEADWAY_S = 1.2
 """Headway of drivers whose behaviour gives none, s."""
 _LEAST_SPEED_MPS = 0.1
 """Least maximum speed of a driver, m/s: SUMO takes none of 0."""
-SIMULATION_OPTIONS = (
+_SIMULATION_OPTIONS = (
     "--no-step-log",
     "--no-warnings",
     "--step-method.ballistic",
@@ -48,96 +49,10 @@ _LATERAL_PEAK = 1.3
 """Greatest lateral speed of a lane change relative to its mean."""
 _STANDING_MPS = 0.1
 """Speed up to which SUMO counts a vehicle as halting, m/s."""
-
-
 _INTERNAL = ":"
 """First letter of the ids of edges between others."""
 _END_M = 1.0
 """Distance from the end of the ego's road at which the edge is looked up that drivers make for, m."""
-
-
-class FrontBumper(NamedTuple):
-    """A place as SUMO gives it: the middle of the front bumper, and the compass direction."""
-
-    x: float
-    y: float
-    angle_deg: float
-    """Clockwise from north, degrees."""
-
-    @classmethod
-    def of(cls, x: float, y: float, yaw: float, *, length: float) -> "FrontBumper":
-        """Return the place of a body of this length whose centre and yaw are parameters."""
-        half = 0.5 * length
-        return cls(x + half * math.cos(yaw), y + half * math.sin(yaw), 90.0 - math.degrees(yaw))
-
-    def pose(self, length: float) -> tuple[float, float, float]:
-        """Return x and y of the body's centre, m, and its yaw, rad."""
-        yaw, half = math.remainder(math.radians(90.0 - self.angle_deg), math.tau), 0.5 * length
-        return self.x - half * math.cos(yaw), self.y - half * math.sin(yaw), yaw
-
-
-class LanePlace(NamedTuple):
-    """A place on a lane of SUMO, which measures all lanes of an edge by one length.
-
-    Equal distances on two lanes of a bent road are therefore not side by side: a vehicle that changes lanes
-    would jump along the road. Here its place goes over from one lane's to the other's on the way.
-    """
-
-    edge: str
-    along_m: float
-    lane: int
-    """Index of the lane, from the right."""
-    left_m: float
-    """Distance to the left of the lane's middle, m."""
-
-    @classmethod
-    def of(cls, sumo: Any, vehicle: str) -> "LanePlace":
-        """Return the place of a vehicle's front bumper."""
-        get = sumo.vehicle
-        return cls(
-            get.getRoadID(vehicle),
-            get.getLanePosition(vehicle),
-            get.getLaneIndex(vehicle),
-            get.getLateralLanePosition(vehicle),
-        )
-
-    @classmethod
-    def at(cls, sumo: Any, x: float, y: float) -> "LanePlace":
-        """Return the place at x and y, m."""
-        edge, along_m, lane = sumo.simulation.convertRoad(x, y)
-        middle = cls(edge, along_m, lane, 0.0)
-        (x_middle, y_middle), heading = middle._middle(sumo, middle.lane)
-        left_m = (y - y_middle) * math.cos(heading) - (x - x_middle) * math.sin(heading)
-        return middle._replace(left_m=left_m)
-
-    def heading(self, sumo: Any) -> float:
-        """Return the lane's heading, rad."""
-        return self._middle(sumo, self.lane)[1]
-
-    def width(self, sumo: Any) -> float:
-        """Return the lane's width, m."""
-        return float(sumo.lane.getWidth(f"{self.edge}_{self.lane}"))
-
-    def shift(self, sumo: Any) -> tuple[float, float, float]:
-        """Return how far a vehicle is from where SUMO has it: x and y, m, and yaw, rad."""
-        beside = self.lane + (1 if self.left_m > 0.0 else -1)
-        if not 0 <= beside < sumo.edge.getLaneNumber(self.edge):
-            return 0.0, 0.0, 0.0
-        (x, y), heading = self._middle(sumo, self.lane)
-        (x_beside, y_beside), heading_beside = self._middle(sumo, beside)
-        width = 0.5 * (self.width(sumo) + self._replace(lane=beside).width(sumo))
-        way = min(abs(self.left_m) / width, 1.0)
-        part = 0.5 - 0.5 * math.cos(math.pi * way)  # It begins and ends gently.
-        cos, sin = math.cos(heading), math.sin(heading)
-        ahead_m = part * ((x_beside - x) * cos + (y_beside - y) * sin)
-        turn = part * math.remainder(heading_beside - heading, math.tau)
-        return ahead_m * cos, ahead_m * sin, turn
-
-    def _middle(self, sumo: Any, lane: int) -> tuple[tuple[float, float], float]:
-        """Return x and y of a lane's middle at this distance, m, and its heading, rad."""
-        angle_deg = sumo.lane.getAngle(f"{self.edge}_{lane}", self.along_m)
-        place = sumo.simulation.convert2D(self.edge, self.along_m, lane)
-        return place, math.radians(90.0 - angle_deg)
 
 
 class SumoSimulator(DynamicSimulator):
@@ -160,7 +75,7 @@ class SumoSimulator(DynamicSimulator):
         self._rows: dict[str, int] = {}
         self._poses = np.zeros((0, 3))
         self._speeds = np.zeros(0)
-        self._grip = GRIP_MPS2
+        self._grip = _GRIP_MPS2
         """Maximum braking on the road of the scene, m/s^2."""
         self._present: set[str] = set()
         """Ids of the bodies on SUMO's network."""
@@ -201,7 +116,7 @@ class SumoSimulator(DynamicSimulator):
         self._networks = self._networks or Networks(programs)
         assert staged.corridor.road_map is not None
         network = self._networks.path(staged.corridor.road_map.file)
-        options = [*SIMULATION_OPTIONS, "-n", f"{network}", "--step-length", f"{self.dt}"]
+        options = [*_SIMULATION_OPTIONS, "-n", f"{network}", "--step-length", f"{self.dt}"]
         if self._sumo.isLoaded():
             self._sumo.load(options)
         else:
@@ -214,7 +129,7 @@ class SumoSimulator(DynamicSimulator):
         self._edges, self._pause_begins = {}, {}
         self._poses = np.array([body.pose for body in staged.bodies])[:, [0, 1, 3]]
         self._speeds = np.array([body.speed for body in staged.bodies])
-        self._grip = GRIP_MPS2 * scene.weather.friction
+        self._grip = _GRIP_MPS2 * scene.weather.friction
         solid = [body for body in staged.bodies if not body.asset.is_passable(body.state)]
         for body in solid:
             self._add(body)
@@ -230,7 +145,7 @@ class SumoSimulator(DynamicSimulator):
 
     def triggered(self, body: StagedScene.Body) -> None:
         """Let a driver change lanes."""
-        if body.behaviour in CHANGES_LANE and body.id in self._present:
+        if body.behaviour in _CHANGES_LANE and body.id in self._present:
             road, parameters = self.staged.corridor, body.parameters or {}
             s, t = road.locate(*self._poses[self._rows[body.id], :2])
             offset_m = road.centre(body.goal_lane, s) - t
@@ -301,7 +216,7 @@ class SumoSimulator(DynamicSimulator):
         types.setSpeedFactor(name, _SPEED_FACTOR)
         types.setImperfection(name, 0.0)
         types.setLateralAlignment(name, "arbitrary")
-        deceleration = parameters["deceleration"] if body.behaviour == "follow_lane" else GRIP_MPS2
+        deceleration = parameters["deceleration"] if body.behaviour == "follow_lane" else _GRIP_MPS2
         deceleration = min(deceleration, self._grip)
         types.setEmergencyDecel(name, deceleration)
         types.setDecel(name, min(_BRAKING_MPS2, deceleration))

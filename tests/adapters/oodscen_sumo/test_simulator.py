@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from oodscen_sumo import SumoSimulator
 from oodscen_sumo._catalogue import load_catalogue
 from oodscen_sumo._network import Networks, load_sumo
-from oodscen_sumo._simulator import FrontBumper
+from oodscen_sumo._places import FrontBumper
 
 from oodscen import make_catalogue
 from oodscen.data import Actor, Behaviour, Placement, Scene, Trigger
