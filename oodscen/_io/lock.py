@@ -91,13 +91,15 @@ def lock_file(path: Path) -> Path:
 
 def _acquire(file: Path, path: Path, what: str, wait_s: float) -> int:
     """Return the descriptor of the lock, whose file names this process."""
-    if os.path.isfile(file) and os.path.getsize(file) and _read(file) == _UNKNOWN:
-        raise StudyError(f"{file} is not a lock file of oodscen: move it away")
     is_new = not os.path.lexists(file)
     descriptor = None
     try:
         descriptor = flock.acquire(file, wait_s)
         if descriptor is not None:
+            # Only now does the file stay as it is: the one of a holder who leaves may vanish at any moment.
+            if os.fstat(descriptor).st_size and _read(file) == _UNKNOWN:
+                flock.release(descriptor)
+                raise StudyError(f"{file} is not a lock file of oodscen: move it away")
             file.write_text(json.dumps(_holder()) + "\n", encoding="utf-8")
             return descriptor
     except OSError as error:

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -91,6 +92,21 @@ def test_the_same_thread_may_lock_again_and_another_may_not(tmp_path):
     assert len(refused) == 1
     other()
     assert len(refused) == 1
+
+
+def test_who_waits_while_others_come_and_go_gets_the_lock(tmp_path):
+    def take(_):
+        with locked(tmp_path / "file", "study", wait_s=60):
+            pass
+
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-5)
+    try:
+        with ThreadPoolExecutor(6) as threads:
+            assert len(list(threads.map(take, range(3_000)))) == 3_000
+    finally:
+        sys.setswitchinterval(interval)
+    assert not list(tmp_path.iterdir())
 
 
 def test_it_is_held_until_the_last_lets_go_in_whatever_order(tmp_path):

@@ -57,8 +57,11 @@ def test_sessions_that_update_at_once_lose_nothing(tmp_path) -> None:
     path = tmp_path / "baseline.json"
     names = [f"test_{number}" for number in range(24)]
     with ThreadPoolExecutor(6) as sessions:
-        for name in names:
+        done = [
             sessions.submit(update, path, {name: KnownTest(outcome="passed", scene="a")})
+            for name in names
+        ]
+    assert [one.exception() for one in done] == [None] * len(names)
     assert set(KnownOutcomes.at(path).tests) == set(names)
     assert [file.name for file in tmp_path.iterdir()] == [path.name]
 
