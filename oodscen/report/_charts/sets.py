@@ -220,7 +220,7 @@ def scatter(clouds: Sequence[Cloud], title: str, axes: tuple[str, str]) -> Canva
     canvas = Canvas(title, _MAP + 44 + legend_height(entries))
     for value in np.linspace(left, right, 5).tolist():
         canvas.text(
-            "tick middle", x(value), _MAP + 8, signed(value, _digits_of((right - left) / 4))
+            "tick middle", x(value), _MAP + 8, signed(value, max(1, _digits((right - left) / 4)))
         )
     for value in np.linspace(bottom, top, 4).tolist():
         canvas.row(y(value), 40, WIDTH - 14, signed(value, 2))
@@ -253,10 +253,6 @@ def _step(span: float, ticks: int, *, least: float) -> float:
     return next((size for size in sizes if span / size <= ticks), span / ticks)
 
 
-def _digits_of(step: float) -> int:
-    """Return the number of decimals that tells ticks apart which are this far from each other, at least one."""
-    return min(max(1, -math.floor(math.log10(max(step, _LEAST_SPAN)))), 9)
-
-
 def _digits(step: float) -> int:
-    return 1 if step < 1 else 0
+    """Return the number of decimals that tells ticks apart which are this far from each other."""
+    return min(max(0, -math.floor(math.log10(max(step, _LEAST_SPAN)))), 9)
