@@ -18,10 +18,9 @@ def whole_number(name: str, value: Any, least: int = 0, most: int = MOST) -> int
     Raises:
         UsageError: If it is anything else.
     """
-    if isinstance(value, Integral) and not isinstance(value, bool):
-        number = int(value)
-        if least <= number <= most:
-            return number
+    number = plain_number(value)
+    if isinstance(number, int) and not isinstance(number, bool) and least <= number <= most:
+        return int(number)
     raise UsageError(f"{name} must be a whole number from {least:,} to {most:,}, not {said(value)}")
 
 
@@ -50,11 +49,11 @@ def finite_number(name: str, value: Any, least: float = -math.inf, most: float =
     Raises:
         UsageError: If it is anything else.
     """
-    if isinstance(value, Real) and not isinstance(value, bool):
+    number = plain_number(value)
+    if isinstance(number, int | float) and not isinstance(number, bool):
         with suppress(OverflowError):
-            number = float(value)
             if math.isfinite(number) and least <= number <= most:
-                return number
+                return float(number)
     between = "" if math.isinf(least) and math.isinf(most) else f" from {least:.10g} to {most:.10g}"
     raise UsageError(f"{name} must be a finite number{between}, not {said(value)}")
 

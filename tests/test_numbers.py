@@ -184,6 +184,12 @@ def test_a_plain_number_is_left_alone(value):
     assert plain_number(value) is value
 
 
+def test_a_duration_is_no_number():
+    for check in (whole_number, finite_number):
+        with pytest.raises(UsageError, match="timedelta64"):
+            check("n", np.timedelta64(3, "s"))
+
+
 @pytest.mark.parametrize("value", [math.nan, math.inf, 10**400, "3", None, [], 1j, Decimal("sNaN")])
 def test_controls(value):
     for control in (Control(value, 0.0), Control(0.0, value), value):
