@@ -154,10 +154,13 @@ def _sentence(scenes: DriveRow, twins: DriveRow) -> str:
     if share.value is None:
         return f"{scenes.driver} has driven no scene and its twin to the end."
     ahead = f" ({lead(test.difference, RULE_BASED)})" if test else ""
-    braking = f"{percent(needless.value)}{bracketed(needless)} of the twins"
+    braking = ""
+    if needless.n:
+        hard = f"{percent(needless.value)}{bracketed(needless)}"
+        braking = f", and brakes hard without need in {hard} of the twins"
     return (
         f"{scenes.driver} drives and passes {percent(share.value)}{bracketed(share)} of {share.n} scenes with their "
-        f"ordinary twins{ahead}{f', and brakes hard without need in {braking}' if needless.n else ''}."
+        f"ordinary twins{ahead}{braking}."
     )
 
 
