@@ -26,9 +26,7 @@ def summary(info: dict[str, Any]) -> str:
         f"{counts['verdicts']} verdicts",
     ]
     if not counts["paths"]:
-        lines.append(
-            "no path can be shown, so there is no scene: pruned.jsonl tells what is missing"
-        )
+        lines.append("no path is left to be shown, so there is no scene: pruned.jsonl tells why")
     if below := counts.get("below_floor"):
         lines.append(
             f"{below} scenes are not judged: at the decision their hazard is too small, faint, dark or hidden to "

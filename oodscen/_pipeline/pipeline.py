@@ -35,7 +35,7 @@ from oodscen.data._verdict import Verdict
 from oodscen.errors import OodscenError, RunStopped, StudyError, StudyMismatch
 from oodscen.llm._accounting import accounts
 from oodscen.report._render import write_report
-from oodscen.study._config import JUDGING, Status, StudyConfig
+from oodscen.study._config import CHANGEABLE, Status, StudyConfig
 from oodscen.study._record import authors, joined_versions, record
 from oodscen.study._rounds import failed_at_end
 from oodscen.study._shared_settings import refuse_changed_settings
@@ -186,7 +186,7 @@ class Pipeline:
         check_given(self.context)
         if self.store.has("study.json"):
             differences = self.study.config.differences(self.config)
-            for name in JUDGING:
+            for name in CHANGEABLE:
                 differences.pop(name, None)
             made_with = self.study.info.get("versions", {}).get("oodscen")
             if made_with != __version__:

@@ -128,7 +128,7 @@ class Metrics(Brief):
                 fewer groups than texts.
             UsageError: If `groups` is no sequence of labels, or `draws` is not a whole number from 1 to 100.
             EncoderError: If the encoder fails.
-            LLMError: If the model cannot be reached; answers without a figure are flagged instead.
+            LLMError: If the model can answer no question; texts that it gives no figure for are flagged instead.
         """
         plain = check_texts(texts)
         clusters = _clusters(texts, groups)

@@ -15,7 +15,7 @@ from oodscen._words.text import folded_words, one_line
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scenario import Scenario
 from oodscen.encoders._check import unit_embeddings
-from oodscen.errors import AnswerError, UsageError
+from oodscen.errors import AnswerError, LLMError, UsageError
 from oodscen.llm._ask import ask
 from oodscen.llm._reading import read_answer
 from oodscen.metrics._detection.guard import is_calibrated
@@ -180,14 +180,16 @@ class Describer(Brief):
 
     @checked
     def twinned(self, scenario: Scenario) -> Scenario:
-        """Return a scenario with its ordinary twin, or as it is if no answer can be read: it counts without.
+        """Return a scenario with its ordinary twin, or as it is if the model has none: it counts without.
 
         Raises:
-            LLMError: When the model fails.
+            LLMError: When the model fails, and may answer later.
         """
         try:
             return scenario.model_copy(update={"ordinary": self.ordinary(scenario)})
-        except AnswerError:
+        except LLMError as error:
+            if error.retryable:
+                raise
             return scenario
 
     def _draw(

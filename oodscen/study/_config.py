@@ -254,7 +254,7 @@ class StudyConfig(Choices):
 SHARED = ("chain", "rear_view", "ordinary")
 """Fields on how all judged models are asked; they are kept as soon as a model has answered."""
 
-JUDGING = (
+CHANGEABLE = (
     *SHARED,
     "vlms",
     "protocols",
@@ -263,8 +263,9 @@ JUDGING = (
     "people",
     "judge",
     "servers",
+    "api_base",
 )
-"""Fields that may change in a finished study: the judge, the judged models and how they are judged."""
+"""Fields that may change in a study: the judge, the judged models, how they are judged, and where models are reached."""
 
 Status = Literal["running", "stopped", "success", "incomplete"]
 """The state of a run.

@@ -4,6 +4,7 @@ import pytest
 
 from oodscen import Study, make_llm
 from oodscen._pipeline import run_study
+from oodscen.errors import LLMError
 from oodscen.llm._wrapper import WrappingLLM
 from oodscen.protocols import Completion
 from oodscen.report._load import read
@@ -18,14 +19,17 @@ RARE = '{{"number": {}, "unit": "log10 km", "low": 4, "best": 5, "high": 6}}'
 class Author(WrappingLLM):
     """The built-in author, who also tells rarities; refuses some questions."""
 
-    def __init__(self, *refused):
+    def __init__(self, *refused, error=None):
         super().__init__(make_llm("builtin", seed=3))
         self.name = "author"
         self.refused = refused
+        self.error = error
 
     def complete(self, request):
         prompt = request.prompt
         if prompt.purpose in self.refused and self.is_refused(prompt):
+            if self.error is not None:
+                raise self.error
             return Completion(text="I would rather not.")
         if prompt.purpose == "estimate-rarity":
             rows = ", ".join(RARE.format(n + 1) for n in range(len(prompt.texts)))
@@ -43,6 +47,7 @@ def whole(tmp_path_factory):
     return run_study(tmp_path_factory.mktemp("whole"), CONFIG, models={"author": Author()})
 
 
+@pytest.mark.parametrize("error", [None, LLMError("I cannot.")], ids=["words", "error"])
 @pytest.mark.parametrize(
     ("purpose", "name"),
     [
@@ -52,9 +57,10 @@ def whole(tmp_path_factory):
     ],
 )
 def test_what_was_asked_for_in_vain_is_counted_listed_and_asked_for_again(
-    tmp_path, whole, purpose, name
+    tmp_path, whole, purpose, name, error
 ):
-    study = run_study(tmp_path / "out", CONFIG, models={"author": Author(purpose)})
+    refusing = Author(purpose, error=error)
+    study = run_study(tmp_path / "out", CONFIG, models={"author": refusing})
     failures = study.info["failures"]
     assert study.info["status"] == "incomplete"
     assert {table for table, number in failures.items() if number} == {name}

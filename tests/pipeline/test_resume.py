@@ -324,3 +324,13 @@ def test_only_an_unfinished_study_needs_the_author_that_began_it(small, tmp_path
     with pytest.raises(StudyMismatch, match=r"llm: the study has .*mine\.toml"):
         run_study(folder, SMALL)
     assert json.loads((folder / "study.json").read_text()) == info
+
+
+@pytest.mark.parametrize("status", ["stopped", "success"])
+def test_a_study_goes_on_with_its_models_at_another_address(small, tmp_path, status):
+    folder = shutil.copytree(small, tmp_path / "out")
+    info = json.loads((folder / "study.json").read_text())
+    info["status"], info["config"]["api_base"] = status, "http://localhost:1/v1"
+    (folder / "study.json").write_text(json.dumps(info))
+    moved = SMALL.model_copy(update={"api_base": "http://localhost:2/v1"})
+    assert run_study(folder, moved).config == moved

@@ -5,8 +5,11 @@ from collections.abc import Mapping, Sequence
 from oodscen._pipeline.context import Context
 from oodscen.data._base import digest
 from oodscen.data._scenario import Scenario
+from oodscen.errors import LLMError
+from oodscen.llm._ask import speaker
 from oodscen.metrics._measurements import Measurements, measurements
 from oodscen.metrics._metrics import Metrics
+from oodscen.metrics._rarity.estimates import TextRarity, gather_rarity
 from oodscen.study._study import Study
 
 
@@ -55,5 +58,9 @@ def _measured(
     if run.rarity_llm is None or not groups["simulatable"]:
         return measured
     texts = groups["simulatable"]
-    rarity = metrics.rarity(texts, run.rarity_llm)
+    try:
+        rarity = metrics.rarity(texts, run.rarity_llm)
+    except LLMError:
+        unknown = [TextRarity(flags=("not answered",))] * len(texts)
+        rarity = gather_rarity(unknown, speaker(run.rarity_llm), None, (), None, seed=0)
     return measured.model_copy(update={"asked": rarity})

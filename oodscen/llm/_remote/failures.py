@@ -1,12 +1,14 @@
 """Failed attempts to reach a model, and their meaning for the item and the endpoint."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from email.utils import parsedate_to_datetime
 from typing import Any, Literal
 
+from oodscen._io.json import parse_json
 from oodscen._words.redaction import redact_start
 from oodscen._words.text import one_line
 from oodscen.llm._remote.call_bounds import KEPT_BYTES, CallBounds
@@ -51,10 +53,13 @@ _MEANINGS: dict[int, Kind] = {
 
 _FILTER = re.compile(
     r"content[_ ]?policy|content[_ ]?filter|content management policy|responsible ?ai ?policy"
-    r"|(?:safety|moderation) (?:system|filter|policy)|data_inspection_failed",
+    r"|(?:safety|moderation) (?:system|filter|policy)|data_inspection_failed|moderation_blocked",
     re.IGNORECASE,
 )
 """Names of providers' content filters in error texts."""
+
+_CODES = ("code", "type", "status", "reason")
+"""Members of an error's body that name it."""
 
 _DENIAL = re.compile(
     r"insufficient_quota|credit balance is too low|API_KEY_INVALID|API key not valid|Incorrect API key",
@@ -133,7 +138,8 @@ def diagnose(model: str, error: Exception, bounds: CallBounds) -> FailedAttempt:
     text = _short(words)
     if one_line(cause_words) not in one_line(words):
         text = f"{text} ({_short(cause_words)})"
-    kind, reason = _meaning(_kind(status, f"{words} {cause_words}", error), text, error, bounds)
+    told = " ".join((words, cause_words, *_codes(bounds.head)))
+    kind, reason = _meaning(_kind(status, told, error), text, error, bounds)
     if _is_unsendable(cause):
         kind, reason = "denied", _UNSENDABLE
     raw = ""
@@ -155,6 +161,19 @@ def diagnose(model: str, error: Exception, bounds: CallBounds) -> FailedAttempt:
         status=status,
         raw=raw,
     )
+
+
+def _codes(body: bytes) -> Iterator[str]:
+    """Yield the codes by which a body names its error; litellm's words leave them out."""
+    with suppress(ValueError):
+        values = [parse_json(body)]
+        while values:
+            value = values.pop()
+            if isinstance(value, list):
+                values += value
+            elif isinstance(value, dict):
+                values += value.values()
+                yield from (str(value[name]) for name in _CODES if name in value)
 
 
 def _unreadable(raw: str, reason: str) -> str:

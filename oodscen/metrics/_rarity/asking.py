@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from oodscen.errors import AnswerError, ContentFiltered
+from oodscen.errors import AnswerError, ContentFiltered, LLMError
 from oodscen.llm._accounting import account
 from oodscen.llm._ask import ask, speaker
 from oodscen.llm._call_log import Call, LoggedLLM
@@ -52,13 +52,16 @@ def ask_rarity(
     a valid answer are flagged `not answered`; a flag of half of the draws or more holds.
 
     Raises:
-        LLMError: If the model cannot be reached.
+        LLMError: If the model can answer none of the questions about texts.
     """
     calls: list[Call] = []
+    failures: list[LLMError] = []
     logged = LoggedLLM(llm, calls.append)
-    per_text = _ask_all(logged, texts, draws, per_call)
+    per_text = _ask_all(logged, texts, draws, per_call, failures)
+    if failures and not any(call.status == "ok" for call in calls):
+        raise failures[0]
     answered, estimates = [], []
-    for rate, estimate in _rate_estimates(logged, anchors or (), draws, per_call):
+    for rate, estimate in _rate_estimates(logged, anchors or (), draws, per_call, failures):
         if estimate is not None:
             answered.append(rate)
             estimates.append(estimate)
@@ -75,11 +78,15 @@ def ask_rarity(
 
 
 def _rate_estimates(
-    llm: LLM, rates: Sequence[PublishedRate], draws: int, per_call: int
+    llm: LLM,
+    rates: Sequence[PublishedRate],
+    draws: int,
+    per_call: int,
+    failures: list[LLMError],
 ) -> Iterator[tuple[PublishedRate, float | None]]:
     """Yield each published rate with the model's mean estimate over its wordings, `None` if it gives none."""
     wordings = [text for rate in rates for text in rate.texts]
-    rarities = iter(_ask_all(llm, wordings, draws, per_call))
+    rarities = iter(_ask_all(llm, wordings, draws, per_call, failures))
     for rate in rates:
         figures = [next(rarities).best for _ in rate.texts]
         known = [figure for figure in figures if figure is not None]
@@ -95,8 +102,10 @@ def questions(texts: Sequence[str], per_call: int = PER_CALL) -> list[EstimateRa
     ]
 
 
-def _ask_all(llm: LLM, texts: Sequence[str], draws: int, per_call: int) -> list[TextRarity]:
-    """Return the rarity of each text by the draws of a model that it answered."""
+def _ask_all(
+    llm: LLM, texts: Sequence[str], draws: int, per_call: int, failures: list[LLMError]
+) -> list[TextRarity]:
+    """Return the rarity of each text by the draws of a model that it answered; add what kept it from answering."""
     answers: list[list[RarityEstimate]] = [[] for _ in texts]
     for block, prompt in enumerate(questions(texts, per_call)):
         first = block * per_call
@@ -104,6 +113,9 @@ def _ask_all(llm: LLM, texts: Sequence[str], draws: int, per_call: int) -> list[
             try:
                 answer = ask(llm, prompt, sample)
             except (AnswerError, ContentFiltered):
+                continue
+            except LLMError as error:
+                failures.append(error)
                 continue
             for estimate in answer.estimates:
                 answers[first + estimate.number - 1].append(estimate)

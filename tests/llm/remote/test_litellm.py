@@ -239,6 +239,24 @@ def test_a_filter_is_known_by_its_words(words):
     )
 
 
+@pytest.mark.parametrize(
+    ("body", "kind"),
+    [
+        ({"error": {"message": "Declined.", "code": "content_filter"}}, "filtered"),
+        ([{"error": {"innererror": {"code": "ResponsibleAIPolicyViolation"}}}], "filtered"),
+        ({"error": {"type": "insufficient_quota"}}, "denied"),
+        ({"error": {"code": 400, "message": "Declined."}}, "item"),
+        ({"detail": [{"input": "a text about a content filter"}]}, "item"),
+        ({}, "item"),
+    ],
+)
+def test_an_error_is_known_by_the_code_of_its_body(body, kind):
+    load_litellm()
+    error, bounds = Answered(), CallBounds(1, 1)
+    error.status_code, bounds.head = 400, json.dumps(body).encode()
+    assert diagnose("m", error, bounds).kind == kind
+
+
 def test_what_hangs_is_tried_once_more_and_no_oftener():
     with serving() as server:
         server.client("m").complete(request())  # The first call of all loads parts of litellm.

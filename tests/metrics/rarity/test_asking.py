@@ -5,7 +5,7 @@ import json
 import pytest
 
 from oodscen import Metrics
-from oodscen.errors import ContentFiltered
+from oodscen.errors import ContentFiltered, LLMError
 from oodscen.metrics._rarity.asking import ask_rarity
 from oodscen.protocols import Completion, Usage
 from oodscen.testing import ScriptedLLM
@@ -43,6 +43,25 @@ def test_the_median_of_draws_counts_and_the_interval_holds_all():
     assert eggs.best is None
     assert eggs.flags == ("no driving",)
     assert found.unknown == 1
+
+
+def test_a_question_that_fails_costs_only_its_own_texts():
+    def answer(request):
+        if "sofa" in request.messages[-1].text:
+            raise LLMError("no")
+        return {"estimates": [entry(1, 0.5)]}
+
+    found = ask_rarity(ScriptedLLM(answer), TEXTS[:2], draws=2, per_call=1)
+    light, sofa = found.per_text
+    assert (light.best, sofa.flags) == (0.5, ("not answered",))
+
+
+def test_a_model_that_can_answer_nothing_is_an_error():
+    def fail(request):
+        raise LLMError("nobody listens")
+
+    with pytest.raises(LLMError, match="nobody listens"):
+        ask_rarity(ScriptedLLM(fail), TEXTS, draws=2)
 
 
 def test_the_interval_of_the_median_counts_groups():
