@@ -5,6 +5,7 @@ import re
 from collections.abc import Mapping
 
 from oodscen.author._knowledge.base import HazardKind, Recipe, RecipeActor
+from oodscen.author._reading import phrases
 from oodscen.prompts._digest import AssetLine
 
 ASIDE_SHARE = 0.9
@@ -18,9 +19,6 @@ _CLOSES = re.compile(
 )
 """Words of events that make no sense beside the lane."""
 _ASIDE = "beside the ego's lane"
-_NAMES_ASIDE = re.compile(
-    r"\bbeside (?:my|its|the (?:ego(?: vehicle| car)?)(?:'s)?|ego's) lane\b", re.IGNORECASE
-)
 _HALF_LANE_M = 1.9
 """Half the width of a lane, m."""
 _USUAL_HALF_WIDTH_M = 0.5
@@ -67,7 +65,7 @@ def event_aside(event: str) -> str:
 def recipe_aside(recipe: Recipe, text: str, assets: Mapping[str, AssetLine]) -> Recipe:
     """Return the recipe with its thing to the right of the lane if the text says so."""
     if (
-        not _NAMES_ASIDE.search(text)
+        not phrases.context("beside_lane").search(text)
         or len(recipe.actors) != 1
         or not _is_movable(recipe.actors[0])
     ):

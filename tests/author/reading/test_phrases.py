@@ -3,14 +3,14 @@ import tomllib
 from importlib import resources
 from pathlib import Path
 
-import oodscen.author._reading
+import oodscen.author
 from oodscen.author._reading import phrases
 
 TABLE = tomllib.loads(
     resources.files("oodscen.author._reading").joinpath("phrases.toml").read_text("utf-8")
 )
 SOURCES = "".join(
-    path.read_text("utf-8") for path in Path(oodscen.author._reading.__path__[0]).glob("*.py")
+    path.read_text("utf-8") for path in Path(oodscen.author.__path__[0]).rglob("*.py")
 )
 
 
