@@ -54,8 +54,14 @@ def finite_number(name: str, value: Any, least: float = -math.inf, most: float =
         with suppress(OverflowError):
             if math.isfinite(number) and least <= number <= most:
                 return float(number)
-    between = "" if math.isinf(least) and math.isinf(most) else f" from {least:.10g} to {most:.10g}"
-    raise UsageError(f"{name} must be a finite number{between}, not {said(value)}")
+    raise UsageError(f"{name} must be a finite number{_within(least, most)}, not {said(value)}")
+
+
+def _within(least: float, most: float) -> str:
+    """Return the words for a range, led by a space; empty for all numbers."""
+    if math.isinf(most):
+        return "" if math.isinf(least) else f" of at least {least:.10g}"
+    return f" of at most {most:.10g}" if math.isinf(least) else f" from {least:.10g} to {most:.10g}"
 
 
 def said(value: Any, most: int = 40) -> str:

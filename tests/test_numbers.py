@@ -25,6 +25,20 @@ TEXTS = ["A deer.", "A sofa.", "A car waits."]
 METRICS = Metrics(HashEncoder(), ["A car drives.", "A van waits.", "A bus stops.", "A tram."])
 
 
+@pytest.mark.parametrize(
+    ("least", "most", "words"),
+    [
+        (-math.inf, math.inf, "a finite number, not"),
+        (-math.inf, 1.0, "a finite number of at most 1, not"),
+        (0.5, math.inf, "a finite number of at least 0.5, not"),
+        (0.5, 1.0, "a finite number from 0.5 to 1, not"),
+    ],
+)
+def test_a_message_names_the_range(least, most, words):
+    with pytest.raises(UsageError, match=words):
+        finite_number("x", math.nan, least, most)
+
+
 @pytest.mark.parametrize("value", NO_COUNT)
 def test_counts(value):
     calls = [

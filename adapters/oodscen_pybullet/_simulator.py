@@ -237,7 +237,7 @@ class PyBulletSimulator(MirrorSimulator):
         is_night = scene.weather.sun_elevation_deg < _LIT_DEG
         omitted, state = replaced_signals(corridor, self._signal_positions()), scene.map_state
         is_dark_phase = state is not None and state.signals == "flashing" and not is_lit(time)
-        key = (road.id, id(corridor), seed, _snow(scene), is_night, omitted, state, is_dark_phase)
+        key = (road.id, corridor, seed, _snow(scene), is_night, omitted, state, is_dark_phase)
         if key in self._stages:
             self._stages.move_to_end(key)
             return self._stages[key]

@@ -108,4 +108,5 @@ def _int(text: str) -> int:
 
 
 def _refused(text: str) -> None:
-    raise ValueError(f"{text[:20]} is not a readable number")
+    shown = text if len(text) <= 20 else f"{text[:20]} ..."
+    raise ValueError(f"{shown} is not a readable number")

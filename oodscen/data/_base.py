@@ -91,6 +91,7 @@ class Data(Brief, _Model):
         Raises:
             DataError: With one `Issue` per fault, each with its path.
         """
+        is_text = isinstance(value, (str, bytes))
         try:
             if cls._refuses_conversion and not isinstance(value, (str, bytes, cls)):
                 value = cls._as_json(value, source)
@@ -101,7 +102,8 @@ class Data(Brief, _Model):
         except ValidationError as error:
             raise DataError(cls.noun, issues_of(error), source=source) from None
         except ValueError as error:
-            raise DataError(cls.noun, [Issue("", f"is no JSON: {error}")], source=source) from None
+            fault = f"is no JSON: {error}" if is_text else str(error)
+            raise DataError(cls.noun, [Issue("", fault)], source=source) from None
 
     @classmethod
     def _as_json(cls, value: object, source: str) -> str:

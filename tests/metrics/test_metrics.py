@@ -374,6 +374,13 @@ def test_torch_looks_up_the_same_neighbours():
     np.testing.assert_allclose(ours.per_text, torchs.per_text, atol=1e-6)
 
 
+@pytest.mark.parametrize("device", ["meta", "nonsense", ""])
+def test_a_device_that_cannot_compute_is_refused(device):
+    pytest.importorskip("torch")
+    with pytest.raises(UsageError, match="torch cannot use the device"):
+        Metrics(ENCODER, ["a car waits"], device=device)
+
+
 def scenarios(count: int, paths: int, word: str = "t") -> list[Scenario]:
     return [
         Scenario(id=f"{word}-{i}", text=f"{word}{i}", path=("root", f"p{i % paths}"))

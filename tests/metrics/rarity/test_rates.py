@@ -52,6 +52,14 @@ def test_malformed_files_are_refused(content, tmp_path):
         load_rates(file)
 
 
+def test_a_huge_number_is_told_as_one_and_not_as_bad_json(tmp_path):
+    file = tmp_path / "rates.toml"
+    file.write_text(f"[[rate]]\nevent='x'\nkm=[1,1{'0' * 400},3]\nsource='s'\ntexts=['t']")
+    with pytest.raises(DataError, match=r" 10+ \.\.\. is not a readable number") as caught:
+        load_rates(file)
+    assert "JSON" not in str(caught.value)
+
+
 def test_rates_from_a_file(tmp_path):
     file = tmp_path / "rates.toml"
     file.write_text(
