@@ -13,7 +13,7 @@ from oodscen._seeding import MAX_SEED
 from oodscen._words.redaction import redact_keys
 from oodscen._words.text import whole
 from oodscen.data._messages import Message
-from oodscen.errors import AnswerError, Issue
+from oodscen.errors import AnswerError, Issue, ReplayMiss
 from oodscen.llm._check import complete
 from oodscen.llm._reading import CUT_OFF, EMPTY, ONLY, read_answer
 from oodscen.prompts._base import Prompt
@@ -69,7 +69,11 @@ def ask(
     issues: list[Issue] = []
     raw = ""
     for attempt in range(1, attempts + 1):
-        completion = complete(llm, Request(prompt, messages, schema, sample, attempt))
+        try:
+            completion = complete(llm, Request(prompt, messages, schema, sample, attempt))
+        except ReplayMiss as miss:
+            refused = [Issue("the answer before", str(issue)) for issue in issues]
+            raise ReplayMiss(miss.model, miss.purpose, [*refused, *miss.differences]) from None
         raw = clean_answer(completion.text)
         issues = incompleteness(raw, is_cut_off=completion.is_cut_off, instead=completion.instead)
         if not issues:

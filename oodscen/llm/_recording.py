@@ -9,6 +9,7 @@ import json
 import os
 import threading
 import weakref
+from codecs import BOM_UTF8
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
@@ -270,6 +271,7 @@ class Recording(Brief):
         return self._parse(file.read(span.length), span.line)
 
     def _parse(self, line: bytes, number: int) -> Exchange:
+        line = line.removeprefix(BOM_UTF8)
         return Exchange.parse(line, source=f"{self.path}, line {number}")
 
     @contextmanager

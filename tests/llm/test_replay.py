@@ -94,15 +94,23 @@ def test_a_cut_off_answer_is_one_when_it_is_replayed(file):
     assert ReplayLLM(file).complete(request()).is_cut_off
 
 
-def test_a_recording_made_elsewhere_needs_three_fields(tmp_path):
-    file = tmp_path / "hand.jsonl"
+def by_hand(answer):
+    """Return a line as a recording made elsewhere has it."""
     messages = [{"role": m.role, "text": m.text} for m in QUESTION.messages()]
-    line = {
-        "purpose": "imagine-scenario",
-        "messages": messages,
-        "answer": '{"text": "A sofa lies on the road there."}',
-    }
-    file.write_text(json.dumps(line) + "\n\n")
+    return json.dumps({"purpose": "imagine-scenario", "messages": messages, "answer": answer})
+
+
+def test_a_recorded_answer_that_is_refused_is_told_with_its_fault(tmp_path):
+    file = tmp_path / "hand.jsonl"
+    file.write_text(by_hand("nope"))
+    with pytest.raises(ReplayMiss, match=r"the answer before: .*JSON.*; attempt: recorded 1, asked"):
+        ask(make_llm(f"replay:{file}"), QUESTION)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
+def test_a_recording_made_elsewhere_needs_three_fields(tmp_path, encoding):
+    file = tmp_path / "hand.jsonl"
+    file.write_text(by_hand('{"text": "A sofa lies on the road there."}') + "\n\n", encoding)
     llm = make_llm(f"replay:{file}")
     assert ask(llm, QUESTION).text == "A sofa lies on the road there."
     assert llm.name == "replay:hand.jsonl"

@@ -26,7 +26,10 @@ _TOKEN = re.compile(r"\d+|[^\W\d_]+")
 _NUMBERS: Final = frozenset(
     "zero one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen sixteen seventeen eighteen nineteen "
     "twenty thirty forty fifty sixty seventy eighty ninety hundred hundreds thousand thousands million millions billion billions "
-    "and a about once in every per point half minus km kilometre kilometres kilometer kilometers mile miles metre metres".split()
+    "and a about once in every per point half minus percent "
+    "km kilometre kilometres kilometer kilometers mile miles metre metres meter meters centimetre centimetres foot feet yard yards "
+    "second seconds minute minutes hour hours day days week weeks month months year years kmh kph mph "
+    "kg kilogram kilograms ton tons tonne tonnes pound pounds degree degrees".split()
 )
 
 _EMPHATIC: Final = frozenset("far long many no really so too very".split())
@@ -34,7 +37,7 @@ _EMPHATIC: Final = frozenset("far long many no really so too very".split())
 
 
 def is_number(text: str) -> bool:
-    """Return whether a text says nothing but numbers and units of length, or has more numbers than words."""
+    """Return whether a text says nothing but numbers and units, or has more numbers than words."""
     tokens = _TOKEN.findall(text[:_READ].lower())
     words = [token for token in tokens if not token.isdecimal() and token not in _NUMBERS]
     numbers = sum(token.isdecimal() for token in tokens)

@@ -10,7 +10,11 @@ _PLAIN = st.sampled_from("beat the eggs with sugar until the dough is soft and b
 
 
 @pytest.mark.parametrize(
-    "text", ["5 km", "once in 3,000 miles", "three thousand two hundred", "12", "1 2 3 car"]
+    "text",
+    [
+        *("5 km", "once in 3,000 miles", "three thousand two hundred", "12", "1 2 3 car"),
+        *("fifty tonnes", "ten metres per second", "twenty mph"),
+    ],
 )
 def test_numbers_and_units_are_no_text(text):
     assert is_number(text)
