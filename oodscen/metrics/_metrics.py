@@ -455,7 +455,7 @@ class Metrics(Brief):
             anchors: Rates that calibrate rarity; see `Metrics.rarity`.
 
         Raises:
-            DataError: If a file cannot be read, or a line has no text.
+            DataError: If a file cannot be read, a line has no text, or only some have a group.
             UsageError: If no text lies inside the band.
             EncoderError: If the encoder fails.
         """

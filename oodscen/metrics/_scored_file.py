@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from oodscen._numbers import said
 from oodscen.baselines._reading import Record, read_records
-from oodscen.errors import UsageError
+from oodscen.errors import DataError, Issue, UsageError
 from oodscen.metrics._oodness import Definition
 from oodscen.metrics._rarity.rates import PublishedRate
 from oodscen.metrics._report import MetricsReport
@@ -28,12 +28,13 @@ def score_file(
 ) -> MetricsReport:
     """Return rarity, OOD-ness and diversity of the texts in a file; see `Metrics.score_file`."""
     records = read_records(path)
+    _check_groups(records, str(path))
     texts_inside = None
     if band is not None:
         texts_inside = _texts_inside(metrics, records, band, definition)
         records = [records[index] for index in texts_inside.indices]
     texts = [record.text for record in records]
-    groups = _groups(records)
+    groups = [record.group for record in records if record.group is not None] or None
     report = metrics.report(texts, groups, definition=definition)
     update: dict[str, object] = {"band": texts_inside}
     if llm is not None or anchors is not None:
@@ -61,7 +62,16 @@ def _texts_inside(
     return band
 
 
-def _groups(records: Sequence[Record]) -> tuple[str, ...] | None:
-    """Return the group of each text; `None` unless all have one."""
-    labels = tuple(record.group for record in records if record.group is not None)
-    return labels if len(labels) == len(records) else None
+def _check_groups(records: Sequence[Record], path: str) -> None:
+    """Refuse texts without a group beside others with one, whose intervals would ignore the groups.
+
+    Raises:
+        DataError: If there are any.
+    """
+    issues = [
+        Issue(f"text {number}", "has no `path`, `leaf` or `group`, which others have")
+        for number, record in enumerate(records, start=1)
+        if record.group is None
+    ]
+    if len(issues) not in (0, len(records)):
+        raise DataError("texts", issues, source=path)

@@ -103,7 +103,9 @@ def by_hand(answer):
 def test_a_recorded_answer_that_is_refused_is_told_with_its_fault(tmp_path):
     file = tmp_path / "hand.jsonl"
     file.write_text(by_hand("nope"))
-    with pytest.raises(ReplayMiss, match=r"the answer before: .*JSON.*; attempt: recorded 1, asked"):
+    with pytest.raises(
+        ReplayMiss, match=r"the answer before: .*JSON.*; attempt: recorded 1, asked"
+    ):
         ask(make_llm(f"replay:{file}"), QUESTION)
 
 

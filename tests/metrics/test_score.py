@@ -40,6 +40,17 @@ def test_paths_of_scenarios_cluster_the_intervals(tmp_path):
     assert set(report.groups) == {"r / 0", "r / 1"}
 
 
+def test_a_text_without_a_group_beside_others_is_refused(tmp_path):
+    path = tmp_path / "texts.jsonl"
+    rows = [{"text": text, "group": str(i)} for i, text in enumerate(TEXTS)]
+    rows[1].pop("group")
+    path.write_text("\n".join(map(json.dumps, rows)))
+    metrics = Metrics(HashEncoder(), Baseline(texts=ORDINARY))
+    for band in (None, (-0.9, 1.0)):
+        with pytest.raises(DataError, match="text 2: has no `path`, `leaf` or `group`"):
+            metrics.score_file(path, band=band)
+
+
 def test_a_band_narrows_the_report(lines):
     baseline = Baseline(texts=ORDINARY)
     report = Metrics(HashEncoder(), baseline).score_file(lines, band=(-0.9, 1.0))
