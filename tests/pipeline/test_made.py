@@ -134,11 +134,22 @@ def test_a_movement_of_another_id_than_its_line_is_refused(folder):
         run(folder)
 
 
-def test_a_leaf_whose_thing_is_gone_for_good_is_refused(folder):
-    rows = lines(folder, "pruned.jsonl")
-    for row in rows:
-        row.pop("made_as", None)
-    rewrite(folder, "pruned.jsonl", rows)
-    (folder / "assets.jsonl").unlink()
+NO_DESIGN = {"prop": None, "look": None, "drawn": ""}
+FAILED = {**NO_DESIGN, "status": "failed", "error": "out", "retryable": True}
+
+
+@pytest.mark.parametrize(
+    ("left", "has_wish"), [(None, False), (NO_DESIGN, False), (NO_DESIGN, True), (FAILED, False)]
+)
+def test_a_leaf_whose_thing_is_gone_for_good_is_refused(folder, left, has_wish):
+    if not has_wish:
+        rows = lines(folder, "pruned.jsonl")
+        for row in rows:
+            row.pop("made_as", None)
+        rewrite(folder, "pruned.jsonl", rows)
+    rows = lines(folder, "assets.jsonl")
+    others = [row for row in rows if row["id"] != FLOAT]
+    (row,) = (row for row in rows if row["id"] == FLOAT)
+    rewrite(folder, "assets.jsonl", others + ([{**row, **left}] if left else []))
     with pytest.raises(DataError, match=f"shown with {FLOAT}"):
         run(folder)

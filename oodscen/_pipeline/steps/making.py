@@ -1,6 +1,6 @@
 """The making of what a simulator lacks, and the second judgement of the leaves that lacked it."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, TypeVar
 
 from oodscen._entry_points import is_asked
@@ -64,7 +64,7 @@ def with_made(
     things = _drawn_anew(run, maker, [MadeProp.parse(line, source=ASSETS) for line in lines])
     props = {thing.id: thing.prop for thing in things if thing.prop is not None}
     motions = _made_motions(run, tree, judgements)
-    _refuse_lost_designs(run, judgements)
+    _refuse_lost_designs(run, judgements, {*props, *motions})
     if not props and not motions:
         return list(judgements)
     judge = pruner(run, catalogue.with_made(props.values(), motions.values()))
@@ -89,13 +89,14 @@ def _is_drawn(run: Context, thing: MadeProp) -> bool:
     return run.store.has(picture_of(thing.id)) and thing.drawn in ("", thing.prop.digest())
 
 
-def _refuse_lost_designs(run: Context, judgements: Sequence[PruneDecision]) -> None:
-    """Refuse a leaf that is kept with a thing or movement of which neither a design nor a wish is left.
+def _refuse_lost_designs(
+    run: Context, judgements: Sequence[PruneDecision], designed: Collection[str]
+) -> None:
+    """Refuse a leaf that is kept with a thing or movement of which there is no design.
 
     Raises:
         DataError: If there is one.
     """
-    designed = {line["id"] for file in (ASSETS, MOTIONS) for line in run.store.lines(file)}
     for judgement in judgements:
         lost = [name for name in judgement.made if name not in designed]
         if judgement.keep and lost:
@@ -133,11 +134,15 @@ def _made_lines(
 ) -> list[dict[str, Any]]:
     """Return the lines of what was made: what is wanted, and what decisions already use."""
     used = {name for judgement in judgements for name in judgement.made}
-    before = {line["id"]: line for line in run.store.lines(file) if line["id"] in used}
     # What decisions use keeps its line, also if no wish to make it is left.
+    kept = {
+        line["id"]: None
+        for line in run.store.lines(file)
+        if line["id"] in used and line["id"] not in wanted and not run.is_again(line)
+    }
     return run.each(
         "make",
         file,
-        {**wanted, **{name: None for name in before if name not in wanted}},
+        {**wanted, **kept},
         lambda todo: (make(wish) for wish in todo.values() if wish is not None),
     )
