@@ -7,6 +7,7 @@ import json
 import threading
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, Literal, Self, get_args
@@ -236,7 +237,7 @@ def _parsed(body: bytes, headers: dict[str, str]) -> Received:
     """Return a request's content, without credentials.
 
     Raises:
-        ValueError, KeyError, TypeError, AttributeError: If it is not a chat request.
+        ValueError, KeyError, TypeError, AttributeError, RecursionError: If it is not a chat request.
     """
     document = json.loads(body)
     pictures: list[bytes] = []
@@ -257,13 +258,13 @@ class _Handler(BaseHTTPRequestHandler):
     server: "_Server"
 
     def do_POST(self) -> None:
-        body = self.rfile.read(int(self.headers.get("content-length", 0)))
-        if self.path != "/v1/chat/completions":
-            return self._error(404, f"there is no {self.path} here")
         headers = {name.lower(): value for name, value in self.headers.items()}
         try:
+            body = self._body()
+            if self.path != "/v1/chat/completions":
+                return self._error(404, f"there is no {self.path} here")
             received = _parsed(body, headers)
-        except (ValueError, KeyError, TypeError, AttributeError) as error:
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
             return self._error(400, f"unreadable request: {error!r:.200}")
         server = self.server.answering
         index = server._record(received)
@@ -288,6 +289,12 @@ class _Handler(BaseHTTPRequestHandler):
         if fault == "cut":
             return self._send(200, document, content_length=len(document) + 999)
         return self._send(200, document)
+
+    def _body(self) -> bytes:
+        length = int(self.headers.get("content-length", 0))
+        if length < 0:
+            raise ValueError(f"a body of {length} bytes")
+        return self.rfile.read(length)
 
     def _misbehave(self, fault: str) -> None:
         if fault == "http429":
@@ -349,8 +356,9 @@ class _Handler(BaseHTTPRequestHandler):
         if content_length is None:
             content_length = len(body)
         self.send_header("content-length", str(content_length))
-        self.end_headers()
-        self.wfile.write(body)
+        with suppress(ConnectionError):  # The client may have left.
+            self.end_headers()
+            self.wfile.write(body)
 
     def log_message(self, format: str, *args: Any) -> None:
         """Suppress the log."""

@@ -4,6 +4,9 @@ import json
 import threading
 import urllib.error
 import urllib.request
+from contextlib import closing
+from http.client import HTTPConnection
+from urllib.parse import urlsplit
 
 import cv2
 import numpy as np
@@ -102,6 +105,7 @@ HELLO = {"role": "user", "content": "hello"}
         b"",
         b"{",
         b"\xff",
+        b"[" * 100_000,
         [],
         None,
         {},
@@ -129,6 +133,37 @@ def test_what_is_no_chat_request_is_refused_in_words(body):
         assert server.received == []
     assert status == 400
     assert answer["error"]["message"].startswith("unreadable request: ")
+
+
+@pytest.mark.parametrize("length", ["", "x", "-1", "1e3"])
+def test_an_unreadable_length_is_refused_in_words(length):
+    with AnsweringServer(ScriptedLLM(echo)) as server:
+        connection = HTTPConnection(urlsplit(server.api_base).netloc, timeout=5.0)
+        with closing(connection):
+            path = "/v1/chat/completions"
+            connection.request("POST", path, headers={"content-length": length})
+            response = connection.getresponse()
+            assert response.status == 400
+            assert b"unreadable request: " in response.read()
+
+
+def test_a_client_that_leaves_is_no_failure(capfd):
+    left = threading.Event()
+
+    def wait(asked):
+        assert left.wait(5.0)
+        return {"text": "late" * 500_000}
+
+    with AnsweringServer(ScriptedLLM(wait)) as server:
+        try:
+            with pytest.raises(LLMError):
+                ask(server.client("m", timeout_s=0.2), IMAGINE)
+        finally:
+            left.set()
+        for thread in threading.enumerate():
+            if "process_request_thread" in thread.name:
+                thread.join(5.0)
+    assert "Traceback" not in capfd.readouterr().err
 
 
 def test_faults_are_chosen_by_number_and_question():
