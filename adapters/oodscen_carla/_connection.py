@@ -169,7 +169,7 @@ class Connection:
         world = self._client.get_world()
         if world.id != self._world.id:
             self._forget()
-            self._world, self._map = world, None
+            self._world, self._map, self._earlier_settings = world, None, None
 
     def _forget(self) -> None:
         """Forget cameras and actors, which the server has lost or will lose."""

@@ -374,7 +374,7 @@ def test_torch_looks_up_the_same_neighbours():
     np.testing.assert_allclose(ours.per_text, torchs.per_text, atol=1e-6)
 
 
-@pytest.mark.parametrize("device", ["meta", "nonsense", ""])
+@pytest.mark.parametrize("device", ["meta", "hpu", "nonsense", ""])
 def test_a_device_that_cannot_compute_is_refused(device):
     pytest.importorskip("torch")
     with pytest.raises(UsageError, match="torch cannot use the device"):

@@ -147,6 +147,20 @@ def test_nothing_is_left_on_the_server(server):
     assert world.get_settings().synchronous_mode == before.synchronous_mode
 
 
+def test_the_world_of_another_client_keeps_its_settings(server):
+    client = carla.Client("127.0.0.1", server.port)
+    client.set_timeout(20.0)
+    with CarlaSimulator(server.address, catalogue="flat") as simulator:
+        frames(simulator, SCENE, 1)
+        world = client.load_world("urban_avenue")
+        before, settings = world.get_settings(), world.get_settings()
+        settings.synchronous_mode, settings.fixed_delta_seconds = True, 0.04
+        world.apply_settings(settings)
+    kept = world.get_settings()
+    world.apply_settings(before)
+    assert (kept.synchronous_mode, kept.fixed_delta_seconds) == (True, pytest.approx(0.04))
+
+
 @pytest.mark.parametrize("fault", ["late", "drop"])
 def test_pictures_that_come_late_or_never_are_the_right_ones(server, fault):
     with (
