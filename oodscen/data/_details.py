@@ -189,7 +189,7 @@ def shown_as(
 
     Args:
         asset: The asset of the actor.
-        details: The actor's details; those that the asset does not offer are ignored.
+        details: The actor's details; those that the asset does not offer do not change its size.
         things: Assets by id, for what is held or loaded.
         kinds: The poses and parts of the simulator.
     """

@@ -5,6 +5,8 @@ Sums are taken in float32 (never TF32) and in another order, so two references w
 to 1e-6 may swap places. torch is imported only when a device is requested.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -53,9 +55,7 @@ def nearest(queries: Vectors, references: Rows, device: str) -> Nearest:
     n = len(queries)
     best = torch.full((n,), -float("inf"), device=device)
     index = torch.zeros(n, dtype=torch.int64, device=device)
-    allows_tf32 = torch.backends.cuda.matmul.allow_tf32
-    torch.backends.cuda.matmul.allow_tf32 = False
-    try:
+    with _in_float32(device):
         for first in range(0, len(references), _COLUMNS):
             block = _to_device(references[first : first + _COLUMNS], device)
             for row in range(0, n, _ROWS):
@@ -64,10 +64,26 @@ def nearest(queries: Vectors, references: Rows, device: str) -> Nearest:
                 better = cosine > best[rows]
                 best[rows] = torch.where(better, cosine, best[rows])
                 index[rows] = torch.where(better, column + first, index[rows])
-    finally:
-        torch.backends.cuda.matmul.allow_tf32 = allows_tf32
     cosines = np.clip(best.cpu().numpy().astype(np.float64), -1.0, 1.0)
     return Nearest(cosines, index.cpu().numpy())
+
+
+@contextmanager
+def _in_float32(device: str) -> Iterator[None]:
+    """Multiply in float32, whatever the caller allows torch elsewhere."""
+    import torch
+
+    matmul = torch.backends.cuda.matmul
+    # From 2.9 on, reading the old name fails once somebody has set the new one.
+    is_new = hasattr(matmul, "fp32_precision")
+    name, exact = ("fp32_precision", "ieee") if is_new else ("allow_tf32", False)
+    before = getattr(matmul, name)
+    setattr(matmul, name, exact)
+    try:
+        with torch.autocast(torch.device(device).type, enabled=False):
+            yield
+    finally:
+        setattr(matmul, name, before)
 
 
 def _to_device(rows: Vectors, device: str) -> Any:
