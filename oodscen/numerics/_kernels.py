@@ -18,13 +18,13 @@ from enum import EnumType
 from functools import cache
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
-from typing import Any, Generic, ParamSpec, Protocol, TypeVar, get_args
+from typing import Any, Generic, Protocol, TypeVar, TypeVarTuple, get_args
 
 import numpy as np
 
 from oodscen._io import flock
 
-P = ParamSpec("P")
+Args = TypeVarTuple("Args")
 R = TypeVar("R")
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -93,32 +93,32 @@ def seen(array: Any) -> Any:
     return array if is_compiled() else memoryview(array)
 
 
-class Kernel(Generic[P, R]):
+class Kernel(Generic[*Args, R]):
     """A decorator for functions that are compiled on their first call.
 
     Arguments are numbers, tuples, and arrays as `seen` returns them.
     """
 
-    def __init__(self, function: Callable[P, R]) -> None:
+    def __init__(self, function: Callable[[*Args], R]) -> None:
         self.plain = function
         """The original function: the same bits, but slow."""
         self.__doc__ = function.__doc__
         self._name = function.__qualname__
         # Lets pickle find the function: numba names its files after what a kernel refers to.
         function.__qualname__ += ".plain"
-        self._run: Callable[P, R] | None = None
+        self._run: Callable[[*Args], R] | None = None
         _parts.append(function)
 
-    def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
+    def __call__(self, *args: *Args) -> R:
         """Run the kernel, compiled on its first call."""
         if self._run is None:
-            return self._first_run(*args, **kwargs)
-        return self._run(*args, **kwargs)
+            return self._first_run(*args)
+        return self._run(*args)
 
-    def _first_run(self, *args: P.args, **kwargs: P.kwargs) -> R:
+    def _first_run(self, *args: *Args) -> R:
         if not is_compiled():
             self._run = self.plain
-            return self.plain(*args, **kwargs)
+            return self.plain(*args)
         from numba.core import event
 
         compiled = _compiled(self.plain, self._name)
@@ -126,7 +126,7 @@ class Kernel(Generic[P, R]):
             _compile_lock(compiled, self._name),
             event.install_listener("numba:compile", _announcer()),
         ):
-            result: R = compiled(*args, **kwargs)
+            result: R = compiled(*args)
         self._run = compiled
         return result
 
@@ -151,18 +151,18 @@ def _compile_lock(compiled: Any, name: str) -> Iterator[None]:
             flock.release(descriptor)
 
 
-def _compiled(function: Callable[P, R], name: str) -> Any:
+def _compiled(function: Callable[[*Args], R], name: str) -> Any:
     import numba
     from numba.extending import register_jitable
 
     for callee in _parts:
         if id(callee) not in _registered:
-            _registered.add(id(callee))
             inline = "always" if id(callee) in _inlined else "never"
             register_jitable(inline=inline, **_STRICT)(callee)
+            _registered.add(id(callee))
 
     def entry(*args):  # type: ignore[no-untyped-def]
-        return function(*args)  # type: ignore[call-arg]
+        return function(*args)
 
     # numba keys its cache by this source file and name: with the digest in the name, the cache of another version
     # is never unpickled.

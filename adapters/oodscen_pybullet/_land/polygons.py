@@ -66,10 +66,12 @@ def rectangle_around(outline: Array) -> Array:
 def convex_hull(points: Array) -> Array:
     """Return the corners of the convex hull of points, [n, 3], seen from above, counter-clockwise.
 
-    Points within a millimetre of each other are one, as high as the last of them.
+    Corners are rounded to millimetres; points that are the same then are one, as high as the last of them.
     """
     heights = {(round(x, 3), round(y, 3)): z for x, y, z in points.tolist()}
     ordered = sorted((x, y, z) for (x, y), z in heights.items())
+    if len(ordered) < 2:
+        return np.array(ordered).reshape(-1, 3)
     return np.array(_half_hull(ordered) + _half_hull(ordered[::-1]))
 
 

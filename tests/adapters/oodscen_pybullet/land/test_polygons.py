@@ -138,3 +138,5 @@ def test_the_hull_of_points_is_convex_and_holds_them(points):
 def test_points_on_a_line_have_no_hull():
     line = np.array([(float(k), 2.0 * k, 0.0) for k in range(4)])
     assert len(convex_hull(line)) == 2
+    assert convex_hull(line[:1]).shape == (1, 3)
+    assert convex_hull(line[:0]).shape == (0, 3)
