@@ -48,8 +48,9 @@ def plain_words(identifier: str) -> str:
 
 
 def amount(value: float) -> str:
-    """Return a quantity as text, with as few digits as needed and a true minus sign."""
-    return f"{value:.3g}".replace("-", "\N{MINUS SIGN}") if abs(value) < 1000 else f"{value:.0f}"
+    """Return a quantity as text: three digits or all whole ones, four decimals at most, a true minus sign."""
+    text = f"{round(value, 4):z.3g}" if abs(value) < 999.5 else f"{value:.0f}"
+    return text.replace("-", "\N{MINUS SIGN}")
 
 
 def p_value(value: float) -> str:

@@ -45,7 +45,34 @@ def test_places_never_show_a_hyphen_for_minus(
     ahead: float, lane: int, offset: float, heading: float
 ) -> None:
     place = Placement(ahead_m=ahead, lane=lane, offset_m=offset, heading_deg=heading)
-    assert "-" not in words.place(place).replace("e-", "")
+    assert "-" not in words.place(place)
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [
+        (12.345, "12.3"),
+        (999.4, "999"),
+        (999.7, "1000"),
+        (-1500.0, "−1500"),
+        (-0.0, "0"),
+        (0.0125, "0.0125"),
+        (-0.0001234, "−0.0001"),
+        (-1e-5, "0"),
+        (1e22, "10000000000000000000000"),
+    ],
+)
+def test_quantities_have_three_digits_and_no_exponent(value: float, expected: str) -> None:
+    assert words.amount(value) == expected
+
+
+@given(st.floats(-1e6, 1e6))
+def test_quantities_are_close_to_what_is_shown(value: float) -> None:
+    shown = words.amount(value)
+    assert "e" not in shown
+    assert "-" not in shown
+    number = float(shown.replace("−", "-"))
+    assert abs(number - value) <= max(0.000051, min(0.00501 * abs(value), 0.5))
 
 
 def test_behaviours() -> None:
