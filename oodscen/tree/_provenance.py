@@ -144,24 +144,27 @@ def provenances(tree: "ScenarioTree", node_ids: Iterable[str]) -> dict[str, Prov
 
 
 def origin_words(tree: "ScenarioTree") -> dict[str, str]:
-    """Describe briefly which nodes red teaming or a merge added, and which were relabelled."""
-    first_labels: dict[str, str] = {}
-    words: dict[str, str] = {}
-    broadenings: dict[str, list[str]] = {}
+    """Describe briefly which nodes were added in a round of red teaming, and which were broadened."""
+    additions: dict[str, TreeEdit] = {}
+    broadenings: dict[str, list[TreeEdit]] = {}
     undone = undone_edits(tree.edits)
     for index, edit in enumerate(tree.edits):
         if index in undone or edit.undoes is not None:
             continue
-        if edit.op == "add":
-            first_labels[edit.node] = edit.label or ""
-            if edit.round is not None:
-                of_tree = f" of {edit.origin}" if edit.origin else ""
-                words[edit.node] = f"new in round {edit.round}{of_tree}"
-        elif edit.op == "broaden":
-            round_words = "?" if edit.round is None else str(edit.round)
-            broadenings.setdefault(edit.node, []).append(round_words)
-    for node_id, rounds in broadenings.items():
-        start = f"{words[node_id]}, " if node_id in words else ""
-        times = f"broadened in round{'s' if len(rounds) > 1 else ''} {', '.join(rounds)}"
-        words[node_id] = f"{start}{times}, at first “{first_labels.get(node_id, '')}”"
+        if edit.op == "add":  # The id may be that of a removed node, whose history is another's.
+            additions[edit.node], broadenings[edit.node] = edit, []
+        elif edit.op == "broaden" and edit.node in additions:
+            broadenings[edit.node].append(edit)
+    words: dict[str, str] = {}
+    for node_id, addition in additions.items():
+        parts = []
+        if addition.round is not None:
+            of_tree = f" of {addition.origin}" if addition.origin else ""
+            parts.append(f"new in round {addition.round}{of_tree}")
+        if broadenings[node_id]:
+            rounds = [str(edit.round) for edit in broadenings[node_id] if edit.round is not None]
+            in_rounds = f" in round{'s' if len(rounds) > 1 else ''} {', '.join(rounds)}"
+            parts.append(f"broadened{in_rounds if rounds else ''}, at first “{addition.label}”")
+        if parts:
+            words[node_id] = ", ".join(parts)
     return words

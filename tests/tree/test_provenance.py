@@ -59,6 +59,28 @@ def test_a_node_says_who_why_and_what_came_later():
     assert origin_words(tree)["fog"] == "new in round 3, broadened in round 5, at first “Fog”"
 
 
+def test_a_node_of_a_removed_ones_id_has_no_past() -> None:
+    tree = ScenarioTree.initial().apply(
+        TreeEdit(op="add", node="fog", parent="environmental", label="Fog", round=1),
+        TreeEdit(op="broaden", node="fog", label="Fog or smoke", round=2),
+        TreeEdit(op="remove", node="fog"),
+    )
+    assert "fog" in origin_words(tree.undo())
+    assert "fog" not in origin_words(tree.undo().undo(len(ScenarioTree.initial().edits)))
+    again = TreeEdit(op="add", node="fog", parent="environmental", label="Mist")
+    assert "fog" not in origin_words(tree.apply(again))
+
+
+def test_a_node_relabelled_without_a_round_names_none() -> None:
+    tree = ScenarioTree.initial().apply(
+        TreeEdit(op="add", node="fog", parent="environmental", label="Fog"),
+        TreeEdit(op="broaden", node="fog", label="Fog or smoke"),
+    )
+    assert origin_words(tree)["fog"] == "broadened, at first “Fog”"
+    tree = tree.apply(TreeEdit(op="broaden", node="fog", label="Fog or ash", round=2))
+    assert origin_words(tree)["fog"] == "broadened in round 2, at first “Fog”"
+
+
 def test_a_node_that_never_was_is_named_with_close_matches():
     with pytest.raises(UnknownComponent) as caught:
         ScenarioTree.initial().provenance("enviromental")
