@@ -6,6 +6,7 @@ from copy import copy
 from dataclasses import replace
 from functools import lru_cache
 from importlib.resources import files
+from importlib.util import find_spec
 from itertools import accumulate
 from pathlib import Path
 
@@ -102,6 +103,9 @@ def read_map(file: str) -> bytes:
     is_packaged = inside and all(part.isidentifier() for part in package.split("."))
     try:
         if is_packaged and len(package) > 1:
+            spec = find_spec(package)
+            if spec is None or spec.submodule_search_locations is None:
+                raise ModuleNotFoundError(f"no package named {package!r}")
             return files(package).joinpath(inside).read_bytes()
         return read_regular(file, "OpenDRIVE file", limit=MAX_BYTES)
     except (OSError, ValueError, ModuleNotFoundError) as error:

@@ -122,6 +122,8 @@ def test_a_missing_map_names_close_matches() -> None:
         {"file": "/no/such/file.xodr"},
         {"file": "oodscen.driving:maps/none.xodr"},
         {"file": "no_such_package:maps/none.xodr"},
+        {"file": "json.decoder:none.xodr"},
+        {"file": "__main__:none.xodr"},
         {"file": "\0"},
         {"road": "17"},
         {"start_m": 1e6},
@@ -131,6 +133,15 @@ def test_a_missing_map_names_close_matches() -> None:
 def test_unusable_maps_are_data_errors(change: dict[str, object]) -> None:
     with pytest.raises(DataError):
         load_corridor(SHIPPED_MAPS[0].model_copy(update=change))
+
+
+def test_a_module_that_holds_no_maps_is_not_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "with_effects.py").write_text("raise SystemExit(1)")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(DataError, match="no package named 'with_effects'"):
+        find_map("with_effects:own.xodr")
 
 
 @pytest.mark.parametrize(("start_m", "limit"), [(0.0, 13.9), (60.0, 50 / 3.6), (150.0, 30 / 3.6)])
