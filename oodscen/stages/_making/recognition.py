@@ -6,7 +6,7 @@ from typing import TypeVar
 import numpy as np
 
 from oodscen._io.jpeg import to_jpeg
-from oodscen._words.text import one_line
+from oodscen._words.text import folded_words, one_line, stem
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._messages import Image
 from oodscen.data._prop import Prop
@@ -20,6 +20,11 @@ Item = TypeVar("Item")
 OPTIONS = 8
 """Number of things that a model chooses among, and "none of these"."""
 NONE = "none of these"
+_LITTLE_WORDS = frozenset(
+    "all and are can for from has have into its like not off one onto out over that the their this two under "
+    "which who whose with".split()
+)
+"""Words of three letters and more that name no thing."""
 
 
 class PropRecogniser:
@@ -82,4 +87,6 @@ def _shuffled(items: Sequence[Item], rng: np.random.Generator) -> list[Item]:
 
 
 def _words(text: str) -> set[str]:
-    return {word for word in text.casefold().replace("_", " ").split() if len(word) > 3}
+    """Return the stems of the words of a text that may name a thing."""
+    words = {word for word in folded_words(text).split() if len(word) > 2}
+    return {stem(word) for word in words - _LITTLE_WORDS}

@@ -12,7 +12,7 @@ from oodscen.stages._augment import scene_of_draft
 from oodscen.stages._making import looking
 from oodscen.stages._making.looking import ShownProp
 from oodscen.stages._making.making import PropMaker
-from oodscen.stages._making.recognition import NONE, PropRecogniser
+from oodscen.stages._making.recognition import NONE, OPTIONS, PropRecogniser, options
 from oodscen.stages._making.sheet import views_of
 from oodscen.stages._making.wanted import WantedThing, is_makeable, judged_again, wanted_things
 from oodscen.stages._prune.decisions import PruneDecision
@@ -82,6 +82,27 @@ def test_a_thing_is_named_by_a_model_that_did_not_design_it() -> None:
     assert WALL["description"] in labels
     assert labels[-1] == NONE
     assert len(set(labels)) == len(labels)
+
+
+@pytest.mark.parametrize(
+    ("description", "other", "is_alike"),
+    [
+        ("a car that sank into a hole", "a compact car", True),
+        ("a spotted dog, on the loose", "a brown dog", True),
+        ("a pile of tyres", "a lorry tyre", True),
+        ("a spire with a horn and its two bells", "an arch with lamps and its two posts", False),
+    ],
+)
+def test_a_thing_is_not_shown_among_its_like(description: str, other: str, is_alike: bool) -> None:
+    asset = FLAT_CATALOGUE.assets[0].model_copy(update={"id": "other", "description": other})
+    catalogue = FLAT_CATALOGUE.model_copy(update={"assets": (asset,)})
+    prop = Prop.parse({**WALL, "description": description})
+    assert (other not in options(prop, catalogue)) is is_alike
+
+
+def test_a_thing_is_shown_among_seven_others() -> None:
+    labels = options(Prop.parse(WALL), FLAT_CATALOGUE)
+    assert len(set(labels)) == OPTIONS + 1
 
 
 def test_a_thing_that_is_not_named_goes_back_once_and_is_dropped() -> None:
