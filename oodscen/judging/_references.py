@@ -135,8 +135,9 @@ class Blind(CaseAnswerer):
     """Sees the questions but no picture, and gives the answers that are most often right.
 
     It calls everything OOD with a confidence of one half, names the most frequent leaf of the other paths, picks the
-    option of the list whose leaves are the most frequent, and chooses the action that is most often safe in the scenes and twins
-    of other paths. This is the score within reach of a model that has read about the benchmark and never looks.
+    option of the list whose leaves are the most frequent, and chooses the action that is most often safe in the scenes
+    and twins of other paths. This is the score within reach of a model that has read about the benchmark and never
+    looks.
 
     Args:
         episodes: Episodes of the study, for the prior.
@@ -235,6 +236,8 @@ GRID = (6, 8)
 def features(picture: Path) -> Features:
     """Return the features of a picture file: [cells x 9] Lab means, spreads and edge strengths.
 
+    They are 0 if it is no picture, or one of less than eight rows or columns.
+
     Raises:
         MissingExtra: If OpenCV is not installed.
     """
@@ -242,8 +245,11 @@ def features(picture: Path) -> Features:
         import cv2
     except ImportError:
         raise MissingExtra("the novelty detector", "pybullet", "opencv-python-headless") from None
-    image = cv2.imread(str(picture), cv2.IMREAD_REDUCED_COLOR_4)
-    if image is None:
+    try:
+        image = cv2.imread(str(picture), cv2.IMREAD_REDUCED_COLOR_4)
+    except cv2.error:  # No row or column would be left.
+        image = None
+    if image is None or min(image.shape[:2]) < 2:
         return np.zeros(GRID[0] * GRID[1] * 9)
     lab = cv2.cvtColor(image, cv2.COLOR_BGR2LAB).astype(np.float32)
     edges = np.abs(lab[1:, 1:] - lab[:-1, 1:]) + np.abs(lab[1:, 1:] - lab[1:, :-1])

@@ -121,6 +121,18 @@ def test_without_pictures_nothing_is_novel(tmp_path: Path) -> None:
     assert (answers.is_ood, answers.confidence, answers.action) == (False, 0.5, "keep_speed")
 
 
+@needs("cv2")
+@pytest.mark.parametrize("size", [(1, 1), (4, 5), (100, 3), (7, 640)])
+def test_in_a_picture_of_a_few_pixels_nothing_is_novel(
+    tmp_path: Path, size: tuple[int, int]
+) -> None:
+    import cv2
+
+    picture = tmp_path / "small.png"
+    assert cv2.imwrite(str(picture), np.full((*size, 3), 90, np.uint8))
+    assert not references.features(picture).any()
+
+
 def test_references_take_cases_and_refuse_questions_in_words() -> None:
     assert takes_cases(Oracle())
     assert not takes_cases(object())
