@@ -2,26 +2,25 @@
 
 import os
 import re
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Generator, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from oodscen._io.files import check_name
 from oodscen._io.study_files import refuse_inside
 from oodscen._words.text import printable
 from oodscen.errors import OodscenError, UsageError
-from oodscen.pytest_plugin._baseline import Change, KnownOutcomes, KnownTest, Outcome, update
+from oodscen.pytest_plugin._baseline import Change, KnownTest, Outcome
+from oodscen.pytest_plugin._comparison import BaselineComparison
+from oodscen.pytest_plugin._grading import StackGrades
 from oodscen.pytest_plugin._hooks import path_setting, setting
 from oodscen.pytest_plugin._subtests import Subtests
 
 if TYPE_CHECKING:
     from oodscen.data._catalogue import Catalogue
-    from oodscen.data._drive_result import DriveResult
     from oodscen.data._scene import Scene
-    from oodscen.judging._leaderboard.requirements import Bar, RequirementResult
     from oodscen.pytest_plugin._driving import Drive
     from oodscen.pytest_plugin._scenes import Scenes
     from oodscen.study._study import Study
@@ -51,14 +50,6 @@ class DrivingSession:
 
     def __init__(self, config: pytest.Config, folder: Path) -> None:
         self._config, self._folder = config, folder
-        self._mode: str = config.getoption("oodscen_baseline_mode") or "compare"
-        self._file = path_setting(config, "oodscen_baseline")
-        """The file of the baseline, if one is named."""
-        self._grades: list[RequirementResult] = []
-        self._changes: dict[str, Change] = {}
-        self._tests: dict[str, KnownTest] = {}
-        """The outcomes of this session's tests, by their ids in the baseline."""
-        self._drives: dict[str, DriveResult] = {}
         self._fault: str | None = None
         """The error that kept the baseline or the grades from being made."""
         self._is_whole = False
@@ -67,28 +58,14 @@ class DrivingSession:
         """True once a process has died, or Ctrl-C, `pytest.exit` or the last failure that `-x` allows has come."""
         self._registered_marks: set[str] = set()
         try:
-            self._bars = _parse_bars(setting(config, "oodscen_require"))
+            self._grades = StackGrades(setting(config, "oodscen_require"))
             self._per_path = _scenes_per_path(setting(config, "oodscen_per_path"))
-            self._baseline = self._read_baseline()
+            self._baseline = BaselineComparison(
+                path_setting(config, "oodscen_baseline"),
+                config.getoption("oodscen_baseline_mode") or "compare",
+            )
         except OodscenError as error:
             raise pytest.UsageError(printable(str(error))) from None
-
-    def _read_baseline(self) -> KnownOutcomes:
-        """Return the known outcomes; none yet if they are to be written."""
-        if self._file is None:
-            if self._mode != "compare":
-                raise UsageError(f"--oodscen-baseline-mode {self._mode} needs --oodscen-baseline")
-            return KnownOutcomes(tests={})
-        check_name(self._file)
-        if self._mode != "compare" and not self._file.exists():
-            return KnownOutcomes(tests={})
-        if self._mode != "write":
-            return KnownOutcomes.at(self._file)
-        try:
-            KnownOutcomes.at(self._file)
-        except OodscenError as error:
-            raise UsageError(f"{error}\nonly a baseline is overwritten") from None
-        return KnownOutcomes(tests={})
 
     @cached_property
     def study(self) -> "Study":
@@ -206,7 +183,7 @@ class DrivingSession:
             return report
         outcome: Outcome = "failed" if report.failed or subtests.forgiven else "passed"
         known_test = KnownTest(outcome=outcome, scene=scene.digest())
-        test = self._test_id(item)
+        test = self._baseline.test_id(item)
         change = self._baseline.change(test, outcome, known_test.scene)
         if report.failed and drive is not None:
             self._add_sections(report, drive)
@@ -214,7 +191,10 @@ class DrivingSession:
         own_drives = subtests.own_drives(drive, call) if drive else []
         reason = subtests.all_forgiven if report.passed and subtests.is_over else None
         if report.failed:
-            reason = self._forgiven(change, call, own_drives)
+            if self._baseline.has_file:
+                reason = self._baseline.forgives(change)
+            else:
+                reason = self._grades.forgives(call, own_drives)
             subtests.forgiven.append(reason)
         if reason:
             report.outcome = "skipped"
@@ -245,18 +225,6 @@ class DrivingSession:
         finally:
             subtests.is_over = True
 
-    def _test_id(self, item: pytest.Item) -> str:
-        """Return the id of a test in the baseline: its path is relative to the file of the baseline.
-
-        Pytest's own ids are relative to a root folder that depends on the command line.
-        """
-        if self._file is None:
-            return item.nodeid
-        path = Path(os.path.relpath(item.path, self._file.parent)).as_posix()
-        test = f"{path}::{item.nodeid.partition('::')[2]}"
-        # Names of files need not be UTF-8, the baseline must.
-        return test.encode("utf-8", "backslashreplace").decode()
-
     def _add_properties(
         self,
         item: pytest.Item,
@@ -272,7 +240,7 @@ class DrivingSession:
             ("oodscen.scene", scene.id),
             ("oodscen.path", " > ".join(self.scenes.path(scene))),
         ]
-        if self._file is not None and change is not None:
+        if self._baseline.has_file and change is not None:
             properties.append(("oodscen.change", change))
         if drive is not None:
             properties += drive_properties(drive)
@@ -280,45 +248,15 @@ class DrivingSession:
         item.user_properties = with_properties(item.user_properties, properties)
         report.user_properties = list(item.user_properties)
 
-    def _forgiven(
-        self, change: Change, call: pytest.CallInfo[None], drives: "Sequence[DriveResult]"
-    ) -> str | None:
-        """Return why a failure does not fail the session; `None` if it does.
-
-        Args:
-            change: How the test differs from the baseline.
-            call: What failed.
-            drives: The drives that it may be about.
-        """
-        if self._file is not None:
-            if self._mode != "compare":
-                return "goes into the baseline"
-            return "failed in the baseline" if change == "known" else None
-        from oodscen.pytest_plugin._counting import is_counted
-
-        if call.excinfo is None:
-            return None
-        is_assertion = call.excinfo.errisinstance((AssertionError, pytest.fail.Exception))
-        if is_assertion and is_counted(drives, self._bars):
-            return "counted by --oodscen-require"
-        return None
-
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Collect what the reports of all processes carry."""
         self._is_cut_short |= report.when not in _PHASES
         carried: Mapping[str, Any] | None = getattr(report, "oodscen", None)
         if carried is None or hasattr(self._config, "workerinput"):
             return
-        from oodscen.data._drive_result import DriveResult
-
         if "test" in carried:
-            self._tests[carried["test"]] = KnownTest.parse(carried["known"])
-            self._changes[carried["test"]] = carried["change"]
-        for row in carried["drives"]:
-            result = DriveResult.parse(row)
-            before = self._drives.get(result.id)
-            if before is None or before.passed:  # Of several drives by one stack the worst counts.
-                self._drives[result.id] = result
+            self._baseline.add(carried["test"], carried["known"], carried["change"])
+        self._grades.add(carried["drives"])
 
     def pytest_keyboard_interrupt(self) -> None:
         """Note that Ctrl-C or `pytest.exit` ends the session; its exit code may be that of a whole one."""
@@ -333,38 +271,12 @@ class DrivingSession:
         if hasattr(self._config, "workerinput") or not self._is_whole or self._collects_only:
             return
         try:
-            if self._file is not None and self._tests:
-                if self._mode == "update":
-                    update(self._file, self._tests)
-                elif self._mode == "write":
-                    KnownOutcomes(tests=self._tests).write(self._file)
-            if self._bars and not self._meets():
+            self._baseline.save()
+            if self._grades.are_required and not self._grades.meets(self.study):
                 session.exitstatus = pytest.ExitCode.TESTS_FAILED
         except OodscenError as error:  # The other hooks still have their reports to write.
             self._fault = f"oodscen: {error}"
             session.exitstatus = pytest.ExitCode.TESTS_FAILED
-
-    def _meets(self) -> bool:
-        """Grade the stacks, and return whether there are any and all meet the requirement."""
-        from oodscen.judging._drive_requirements import drive_requirements
-
-        self._grades = drive_requirements(
-            self._drives.values(), self.study.scenarios, self._bars, seed=self.study.config.seed
-        )
-        return self._is_met
-
-    @property
-    def _is_met(self) -> bool:
-        return bool(self._grades) and all(grade.grade == "meets" for grade in self._grades)
-
-    def _verdict(self) -> list[str]:
-        """Return whether the requirement is met, if stacks are graded."""
-        if not self._grades:
-            return []
-        bars = ",".join(map(str, self._bars))
-        if self._is_met:
-            return [f"requirement met: {bars}"]
-        return [f"requirement not met, so the session fails: {bars}"]
 
     def pytest_report_header(self) -> str:
         """Return the line about the study at the top of the report."""
@@ -372,41 +284,14 @@ class DrivingSession:
 
     def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
         """Print the stacks' figures, their grades, and what changed since the baseline."""
-        from oodscen.pytest_plugin._summary import stack_lines
-
-        lines = [*stack_lines(self._drives.values()), *map(str, self._grades), *self._verdict()]
-        lines += self._baseline_lines() if self._fault is None else [self._fault]
-        if self._bars and not self._grades and not self._collects_only:
-            lines.append(
-                "no stack drove a scene, so none can meet --oodscen-require"
-                if self._is_whole or not (self._drives or self._is_cut_short)
-                else "not all tests ran, so that no stack is graded by --oodscen-require"
-            )
+        lines = self._grades.lines()
+        lines += [self._fault] if self._fault else self._baseline.lines(is_whole=self._is_whole)
+        if not self._collects_only:
+            lines += self._grades.missing(is_whole=self._is_whole, is_cut_short=self._is_cut_short)
         if lines:
             terminalreporter.write_sep("-", "oodscen")
             for line in lines:
                 terminalreporter.write_line(printable(line))
-
-    def _baseline_lines(self) -> list[str]:
-        """Return how the outcomes differ from the baseline, or where they were written."""
-        if self._file is None or not self._tests:
-            return []
-        from oodscen.pytest_plugin._summary import change_lines, written_line
-
-        if not self._is_whole:
-            return [f"{self._file}: not all tests ran, so that nothing is written or compared"]
-        if self._mode != "compare":
-            return [written_line(self._file, self._tests)]
-        return change_lines(self._file, self._tests, self._changes)
-
-
-def _parse_bars(text: str | None) -> "tuple[Bar, ...]":
-    if text is None:
-        return ()
-    from oodscen.judging._drive_requirements import DRIVE_FIGURES
-    from oodscen.judging._leaderboard.requirements import parse_requirement
-
-    return parse_requirement(text, DRIVE_FIGURES)
 
 
 def _scenes_per_path(text: str | None) -> int | None:
