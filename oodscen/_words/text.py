@@ -56,6 +56,11 @@ def text_fault(word: str) -> str:
     return f"{one_line(printable(shown))[:100]!r} {fault}" if fault else ""
 
 
+def without_possessives(text: str) -> str:
+    """Return a text without the endings of "driver's" and "it's"; quoted words stay whole."""
+    return re.sub(r"(?<=\w)['\u2019]s\b", "", text)
+
+
 def folded_words(text: str) -> str:
     """Return a text without case and punctuation, for comparisons; spellings of one accent are equal."""
     plain = unicodedata.normalize("NFC", text.casefold())

@@ -2,7 +2,7 @@
 
 import re
 
-from oodscen._words.text import stem
+from oodscen._words.text import stem, without_possessives
 
 _STOP = frozenset(
     """a an the and or but of in on at to from into onto over under with without by for as is are was
@@ -16,5 +16,5 @@ _STOP = frozenset(
 
 def stems(text: str) -> list[str]:
     """Return the stems of all content words, in order."""
-    words = re.findall(r"[a-z]+", text.casefold().replace("'s", "").replace("\u2019s", ""))
+    words = re.findall(r"[a-z]+", without_possessives(text.casefold()))
     return [stem(word) for word in words if word not in _STOP]

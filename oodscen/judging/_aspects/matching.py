@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from oodscen._arguments import checked
 from oodscen._numbers import said
-from oodscen._words.text import stem
+from oodscen._words.text import stem, without_possessives
 from oodscen.data._scene import Visible
 from oodscen.errors import UsageError
 from oodscen.judging._aspects.concepts import Concept, concepts, with_broader
@@ -278,5 +278,5 @@ def _parts(text: str) -> list[str]:
 
 def telling_words(text: str) -> set[str]:
     """Return the stems of a text's words, without words that are common in driving texts."""
-    words = re.findall(r"[a-z]+", text.casefold().replace("'s", "").replace("bour", "bor"))
+    words = re.findall(r"[a-z]+", without_possessives(text.casefold()).replace("bour", "bor"))
     return {stem(word) for word in words if word not in COMMON and len(word) > 2}

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 
+from oodscen._words.text import without_possessives
 from oodscen.judging._aspects.concepts import Concept, concepts
 
 LINKS = frozenset(
@@ -51,7 +52,8 @@ def expressions_by_first_word() -> Mapping[str, Sequence[tuple[tuple[str, ...], 
 
 def _plain(text: str) -> str:
     """Return a text in lower case, without contractions and possessives."""
-    return text.casefold().replace("\u2019", "'").replace("n't", " not").replace("'s", "")
+    text = text.casefold().replace("\u2019", "'").replace("n't", " not")
+    return without_possessives(text)
 
 
 @cache

@@ -1,6 +1,7 @@
 """The documented matcher of open answers: concepts, not shared words."""
 
 import json
+import re
 from functools import cache
 from pathlib import Path
 
@@ -148,6 +149,14 @@ def test_the_constant_answer_is_right_for_a_pedestrian_who_crosses_and_nothing_e
 def test_the_label_itself_is_always_right(label, spelling):
     if label.casefold() == spelling(label).casefold():
         assert names_aspect(spelling(label), ("OOD", label))
+
+
+@pytest.mark.parametrize("spelling", [r"'\1'", r"\1's", "\\1\u2019s"])
+def test_quoted_words_and_possessives_name_the_same(spelling):
+    for answer in answers():
+        said = re.sub(r"(?<![\w'-])(s\w+)(?![\w'-])", spelling, answer.answer)
+        path = ("OOD", answer.label)
+        assert names_aspect(said, path) == names_aspect(answer.answer, path), said
 
 
 @given(st.sampled_from(answers()), st.sampled_from(["there is no {}", "{} is not there"]))
