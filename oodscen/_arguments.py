@@ -1,9 +1,9 @@
-"""Checks of the kinds of arguments, at the public functions."""
+"""Checks of arguments, at the public functions."""
 
 import os
 from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import cache, wraps
-from inspect import signature
+from inspect import Signature, signature
 from numbers import Real
 from pathlib import Path
 from types import NoneType, UnionType
@@ -71,6 +71,19 @@ def state_of(scene: "Scene", state: "State") -> None:
         )
 
 
+def refuse_key(name: str, value: str) -> None:
+    """Refuse a value that is to be written into a file, if it holds what looks like a credential.
+
+    Raises:
+        UsageError: If it does.
+    """
+    if redact(value) != value:
+        raise UsageError(
+            f"{name}: {redact(value)} holds what looks like a key, and would be written into a file; keys belong into "
+            "environment variables"
+        )
+
+
 def checked(function: Callable[P, Returned]) -> Callable[P, Returned]:
     """Return a public function that refuses arguments of kinds that its annotations do not allow.
 
@@ -85,35 +98,32 @@ def checked(function: Callable[P, Returned]) -> Callable[P, Returned]:
     """
 
     @cache
-    def kinds() -> dict[str, tuple[Any, str]]:
-        known = signature(function).parameters.values()
-        found = {
-            parameter.name: Any
-            if parameter.annotation is parameter.empty
-            else Real
-            if _is_number(parameter.annotation)
-            else parameter.annotation
-            for parameter in known
+    def form() -> tuple[Signature, dict[str, tuple[Any, str]]]:
+        known = signature(function)
+        kinds = {
+            name: Real if _is_number(parameter.annotation) else parameter.annotation
+            for name, parameter in known.parameters.items()
             if parameter.kind not in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD)
+            and parameter.annotation is not parameter.empty
         }
-        return {name: (kind, _component(kind)) for name, kind in found.items()}
+        return known, {name: (kind, _component(kind)) for name, kind in kinds.items()}
 
     @wraps(function)
     def call(*args: P.args, **named: P.kwargs) -> Returned:
-        known = kinds()
-        plain: dict[str, Any] = {}
-        for name, value in (*zip(known, args, strict=False), *named.items()):
-            kind, component = known.get(name, (Any, ""))
+        known, kinds = form()
+        try:
+            bound = known.bind(*args, **named)
+        except TypeError:
+            return function(*args, **named)  # Python's own message names the function.
+        for name, value in bound.arguments.items():
+            kind, component = kinds.get(name, (Any, ""))
             if kind is Real:
-                plain[name] = plain_number(value)
+                bound.arguments[name] = plain_number(value)
             elif not _fits(value, kind):
                 raise _refusal(name, value, kind)
             if component and value is not None:
                 conforming(component, value)
-        first: Any = (plain.get(name, value) for name, value in zip(known, args, strict=False))
-        more: Any = args[len(known) :]
-        rest: Any = {name: plain.get(name, value) for name, value in named.items()}
-        return function(*first, *more, **rest)
+        return function(*bound.args, **bound.kwargs)
 
     return call
 
@@ -166,7 +176,8 @@ def _is_many(value: Any, kind: type) -> bool:
     """Return whether a value of a kind holds elements; an empty array, which is neither true nor false, does not."""
     if isinstance(value, str | bytes | Mapping) or not isinstance(value, kind):
         return False
-    return all(getattr(value, "shape", (1,))[:1] or (0,))
+    shape = getattr(value, "shape", None)
+    return shape is None or (len(shape) > 0 and shape[0] > 0)
 
 
 def _component(kind: Any) -> str:
@@ -221,16 +232,3 @@ def _worded(kind: Any) -> str:
     name = getattr(origin or kind, "__name__", str(kind)).lstrip("_").partition("[")[0]
     plain = {"str": "text", "bool": "True or False", "Path": "a path"}
     return plain.get(name, f"{'an' if name[0] in 'AEIOUaeiou' else 'a'} {name}")
-
-
-def refuse_key(name: str, value: str) -> None:
-    """Refuse a value that is to be written into a file, if it holds what looks like a credential.
-
-    Raises:
-        UsageError: If it does.
-    """
-    if redact(value) != value:
-        raise UsageError(
-            f"{name}: {redact(value)} holds what looks like a key, and would be written into a file; keys belong into "
-            "environment variables"
-        )

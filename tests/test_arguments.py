@@ -397,3 +397,14 @@ def test_a_checked_function_takes_what_its_annotations_say(value) -> None:
     }.items():
         with nullcontext() if fits else pytest.raises(UsageError):
             assert kept(kind)(value) is value
+
+
+def test_a_call_that_python_refuses_is_a_type_error_and_more_arguments_are_passed_on() -> None:
+    @checked
+    def function(first: int, *more: int, last: str = "") -> tuple[object, ...]:
+        return first, more, last
+
+    assert function(1, 2, last="x") == (1, (2,), "x")
+    for call in (lambda: function(), lambda: function(1, other=2), lambda: function(1, first=2)):
+        with pytest.raises(TypeError, match=r"function\(\)"):
+            call()
