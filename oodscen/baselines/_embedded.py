@@ -89,9 +89,9 @@ def write_embeddings(path: str | Path, encoder: Encoder, texts: Iterable[str]) -
         OodscenError: If a file cannot be written.
     """
     file = Path(path)
-    record = _record(file)
     if file.suffix != ".npy":
-        raise UsageError(f"embeddings are written as .npy, not as {file.name}")
+        raise UsageError(f"embeddings are written as .npy, not as {path}")
+    record = _record(file)
     with writing(file):
         folder = TemporaryDirectory(dir=file.parent, prefix=".oodscen-", ignore_cleanup_errors=True)
     count = 0

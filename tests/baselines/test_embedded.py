@@ -57,6 +57,12 @@ def test_rows_are_scaled_and_zeros_stay(tmp_path):
     np.testing.assert_allclose(np.linalg.norm(found, axis=1), [1, 0, 1], atol=1e-6)
 
 
+@pytest.mark.parametrize("path", ["", ".", "/", "vectors.arrow"])
+def test_only_a_npy_file_is_written(path):
+    with pytest.raises(UsageError, match=r"written as \.npy"):
+        Metrics(ENCODER, TEXTS).write_embeddings(path, ["a car"])
+
+
 def test_a_file_that_cannot_be_written_is_named(tmp_path):
     (tmp_path / "file").write_text("")
     for path in (tmp_path / "file" / "x.npy", tmp_path / ("a" * 300 + ".npy"), "a\0b.npy"):
