@@ -91,6 +91,11 @@ def is_reference(model: object) -> bool:
     return isinstance(kind, str) and kind == "reference"
 
 
+def kind_of_answerer(model: object) -> Literal["model", "reference"]:
+    """Return the kind of an answerer, as verdicts state it."""
+    return "reference" if is_reference(model) else "model"
+
+
 def takes_cases(model: object) -> TypeGuard[Reference]:
     """Return whether an answerer takes cases: every reference, and a person's recorded answers."""
     says_so = is_reference(model) or optional(model, "takes_cases", False) is True

@@ -2,14 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, NamedTuple, Self
+from typing import Any, Literal, Self
 
 from oodscen._words.redaction import redact
 from oodscen.data._base import Data
 from oodscen.data._episode import ActionOutcome, Episode
 from oodscen.data._pairing import is_ordinary, scene_of
-from oodscen.data._scenario import Scenario
-from oodscen.data._scene import Scene, Visible
+from oodscen.data._scene import Visible
 from oodscen.data._verdict import NOTHING, Outcome, Protocol, Verdict, verdict_id
 from oodscen.errors import AnswerError, ContentFiltered, LLMTimeout, ModelSkipped, OodscenError
 from oodscen.judging._aspects.matching import score_naming
@@ -23,31 +22,12 @@ from oodscen.judging._aspects.opinions import (
 from oodscen.judging._items import Items
 from oodscen.judging._parsing import is_refusal
 from oodscen.judging._questions import AnswerReader, acting_reader, choosing_reader, naming_reader
-from oodscen.judging._references import AspectOption, is_reference
+from oodscen.judging._references import AspectOption
 from oodscen.llm._ask import clean_answer
 from oodscen.protocols import LLM
 
 _LONGEST_ERROR = 2_000
 """Maximum length of a stored error, in characters."""
-
-
-class Truth(NamedTuple):
-    """The ground truth of the first task."""
-
-    path: tuple[str, ...]
-    """Labels from the root to the leaf."""
-    leaf: str
-    visible: tuple[Visible, ...] = ()
-    """Everything that can be seen of the hazard."""
-
-    @classmethod
-    def of(cls, scenario: Scenario | None, scene: Scene | None) -> Self:
-        """Return the truth about a scene and its ordinary drives, as far as its text and the scene are known."""
-        return cls(
-            path=scenario.path if scenario else (),
-            leaf=scenario.leaf if scenario else "",
-            visible=scene.visible if scene else (),
-        )
 
 
 class AnswerKey(Data):
@@ -67,14 +47,22 @@ class AnswerKey(Data):
     is_deterministic: bool = True
 
     @classmethod
-    def of(cls, episode: Episode, truth: Truth, options: Sequence[AspectOption]) -> Self:
+    def of(
+        cls,
+        episode: Episode,
+        *,
+        path: tuple[str, ...],
+        leaf: str,
+        visible: tuple[Visible, ...],
+        options: tuple[AspectOption, ...],
+    ) -> Self:
         """Return the key to the answers about an episode."""
         return cls(
             item=episode.scene_id,
-            path=truth.path,
-            leaf=truth.leaf,
-            visible=truth.visible,
-            options=tuple(options),
+            path=path,
+            leaf=leaf,
+            visible=visible,
+            options=options,
             actions=episode.actions,
             is_deterministic=episode.is_deterministic,
         )
@@ -174,11 +162,6 @@ def rescored(verdict: Verdict, key: AnswerKey, answers: GivenAnswers) -> Verdict
     """Return a stored verdict with everything that follows from its answers computed again.
 
     The score of an open aspect is left to `rescore_verdict`. A reference's verdict has nothing else to keep.
-
-    Args:
-        verdict: The verdict as it was stored.
-        key: The truth.
-        answers: Its answers.
     """
     if answers.kind == "reference":
         verdict = Verdict(**verdict.model_dump(include=_KEPT_OF_REFERENCES))
@@ -287,8 +270,3 @@ def _outcome(error: OodscenError) -> Outcome:
     if isinstance(error, ModelSkipped):
         return "unasked"
     return "timeout" if isinstance(error, LLMTimeout) else "error"
-
-
-def kind_of_answerer(model: object) -> Literal["model", "reference"]:
-    """Return the kind of an answerer, as verdicts state it."""
-    return "reference" if is_reference(model) else "model"

@@ -28,8 +28,15 @@ from oodscen.judging._questions import (
     naming_prompt,
     naming_reader,
 )
-from oodscen.judging._references import Answers, AspectOption, Case, Reference, takes_cases
-from oodscen.judging._scoring import AnswerKey, GivenAnswers, Truth, kind_of_answerer, score_answers
+from oodscen.judging._references import (
+    Answers,
+    AspectOption,
+    Case,
+    Reference,
+    kind_of_answerer,
+    takes_cases,
+)
+from oodscen.judging._scoring import AnswerKey, GivenAnswers, score_answers
 from oodscen.llm._ask import ask
 from oodscen.prompts._base import Prompt
 from oodscen.prompts._judging.describe_frame import DescribeFrame, FrameDescription
@@ -116,7 +123,9 @@ def evaluate(
         raise UsageError("the paper's protocol shows its frames, and no view to the rear")
     if is_paper:
         options = ()
-    key = AnswerKey.of(episode, Truth(tuple(path), leaf, tuple(visible)), options)
+    key = AnswerKey.of(
+        episode, path=tuple(path), leaf=leaf, visible=tuple(visible), options=tuple(options)
+    )
     if takes_cases(vlm):
         case = Case(episode, key.path, leaf, options, episode.frames)
         return score_answers(key, answers_of_reference(vlm, case, protocol), judge)

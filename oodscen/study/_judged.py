@@ -12,7 +12,7 @@ from oodscen.judging._items import judged_episodes, unnamed_scenes
 from oodscen.judging._kinds import Kinds
 from oodscen.judging._questions import aspect_options
 from oodscen.judging._references import AspectOption
-from oodscen.judging._scoring import AnswerKey, Truth
+from oodscen.judging._scoring import AnswerKey
 from oodscen.judging._selection import choose_items
 from oodscen.study._config import StudyConfig
 
@@ -64,13 +64,19 @@ class AnswerKeys:
 
     def _key(self, episode: Episode, protocol: Protocol) -> AnswerKey:
         scene_id = scene_of(episode.scene_id)
-        scene = self._scenes.get(scene_id)
-        truth = Truth.of(self._scenarios.get(scene_id), scene)
+        scenario, scene = self._scenarios.get(scene_id), self._scenes.get(scene_id)
+        leaf = scenario.leaf if scenario else ""
         options: tuple[AspectOption, ...] = ()
         if protocol == "ours":
-            kinds = self._kinds.offered(truth.leaf, scene.map if scene else "")
+            kinds = self._kinds.offered(leaf, scene.map if scene else "")
             options = aspect_options(kinds, seed=self._seed, item=episode.scene_id)
-        return AnswerKey.of(episode, truth, options)
+        return AnswerKey.of(
+            episode,
+            path=scenario.path if scenario else (),
+            leaf=leaf,
+            visible=scene.visible if scene else (),
+            options=options,
+        )
 
 
 def is_shown(episode: Episode) -> bool:

@@ -9,11 +9,10 @@ from oodscen.data._messages import Image
 from oodscen.data._verdict import Protocol, Verdict, without_pictures
 from oodscen.errors import DataError, Issue
 from oodscen.judging._questions import ShownDrive
-from oodscen.judging._references import Case, takes_cases
+from oodscen.judging._references import Case, kind_of_answerer, takes_cases
 from oodscen.judging._scoring import (
     GivenAnswers,
     answers_in,
-    kind_of_answerer,
     rescored,
     score_answers,
 )
