@@ -105,22 +105,16 @@ def leaderboard_variables(
 
 def _without_repeats(board: Leaderboard) -> list[LeaderboardRow]:
     """Return the rows of task 1, with one row for all constants, which differ in their action only."""
-    rows: list[LeaderboardRow] = []
-    constants: list[LeaderboardRow] = []
-    for row in board.standings:
-        is_constant = row.model.startswith(_CONSTANT) and row.protocol == "ours"
-        (constants if is_constant else rows).append(row)
-    scores = {(row.detection.to_json(), row.identification.to_json()) for row in constants}
-    if len(scores) > 1:
+    alike = [
+        row for row in board.standings if row.model.startswith(_CONSTANT) and row.protocol == "ours"
+    ]
+    scores = {(row.detection.to_json(), row.identification.to_json()) for row in alike}
+    if len(alike) < 2 or len(scores) > 1:
         return list(board.standings)
-    if constants:
-        name = constants[0].model
-        if len(constants) > 1:
-            name = f"constant ({len(constants)} alike)"
-        floor = board.floor("closed")
-        shown = floor if floor in constants else None
-        rows.append((shown or constants[0]).model_copy(update={"model": name}))
-    return rows
+    floor = board.floor("closed")
+    shown = floor if floor in alike else alike[0]
+    others = [row for row in board.standings if row not in alike]
+    return [*others, shown.model_copy(update={"model": f"constant ({len(alike)} alike)"})]
 
 
 def _best_blind(board: Leaderboard) -> LeaderboardRow | None:
@@ -162,18 +156,16 @@ def _level(board: Leaderboard) -> str:
 
 def _chart(shown: Sequence[LeaderboardRow], level: str, field: str, title: str) -> Canvas | None:
     """Draw one figure of every group of scenes, with a bar per model; `None` if no answer scores."""
-    if not shown:
-        return None
-    groups_of_rows = [
-        {group.name: group for group in row.groups if group.level == level} for row in shown
+    # All rows of a board have the same groups, in the same order.
+    groups = ([group for group in row.groups if group.level == level] for row in shown)
+    rows = [
+        charts.ScoreRow(
+            alike[0].name,
+            [_bar(getattr(group, field)) for group in alike],
+            alike[0].chance if field == "safe" else None,
+        )
+        for alike in zip(*groups, strict=True)
     ]
-    rows = []
-    for name, group in groups_of_rows[0].items():
-        bars = [
-            _bar(getattr(groups[name], field)) if name in groups else None
-            for groups in groups_of_rows
-        ]
-        rows.append(charts.ScoreRow(name, bars, group.chance if field == "safe" else None))
     if not any(bar for row in rows for bar in row.bars):
         return None
     return charts.bars(rows, [row.model for row in shown], title)

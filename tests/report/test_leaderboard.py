@@ -115,8 +115,8 @@ def test_constants_that_score_alike_are_one_row_and_others_all_theirs():
         "constant (2 alike)",
     ]
     assert models(page._without_repeats(Leaderboard(standings=(alike[0], row("random"))))) == [
-        "random",
         "constant:stop",
+        "random",
     ]
     other = row("constant:swerve", detection=Detection(sensitivity=Rate(hits=1, n=1, value=1.0)))
     every = Leaderboard(standings=(*alike, other, row("random")))
