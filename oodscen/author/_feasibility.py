@@ -170,15 +170,15 @@ class BranchJudge:
         least = next((option for option in options if NO_RECIPE not in option.missing), options[0])
         reason = lacking_words(least.realisations, catalogue)
         if len(options) > 1 and not reading.is_any:
-            reasons = (
-                f"not {small(option.words)}: {lacking_words(option.realisations, catalogue, is_short=True)}"
+            reason = "; ".join(
+                f"not {small(option.words)}: {lacking_words(option.realisations, catalogue)}"
                 for option in options
             )
-            reason = f"{'; '.join(reasons)}."
-            reason = f"{reason[0].upper()}{reason[1:]}"
         ways = [*least.ways, *(way for option in options for way in option.ways)]
         return BranchJudgement(
-            reasoning=reason, simulatable=False, **_restoring(ways, least.missing)
+            reasoning=f"{reason[0].upper()}{reason[1:]}.",
+            simulatable=False,
+            **_restoring(ways, least.missing),
         )
 
     def _narrowed(
@@ -212,7 +212,7 @@ class BranchJudge:
         else:
             reason = f"The simulator shows {'; '.join(dict.fromkeys(map(_with_what, shown)))}."
         for option in hidden:
-            lacks = lacking_words(option.realisations, catalogue, is_short=True)
+            lacks = lacking_words(option.realisations, catalogue)
             reason += f" Not {small(option.words)}: {lacks}."
         if substitutes:
             parts = (

@@ -6,7 +6,7 @@ from oodscen.author._reading.alternatives import small
 from oodscen.author._realisation import NO_RECIPE, Realisation, all_missing
 from oodscen.data._additions import Addition
 from oodscen.prompts._digest import CatalogueDigest
-from oodscen.tree._scenario_tree import MAX_LABEL
+from oodscen.tree._labels import MAX_LABEL
 
 _KINDS = {
     "asset": ("asset", "assets"),
@@ -20,10 +20,8 @@ _PLURALS = {"vegetation": "plants or fallen trees", "work_zone": "things of road
 """Words for the assets of a category, where they are not the category with an s."""
 
 
-def lacking_words(
-    hidden: Sequence[Realisation], catalogue: CatalogueDigest, *, is_short: bool = False
-) -> str:
-    """Describe the missing items, and the categories of which the catalogue has no asset at all."""
+def lacking_words(hidden: Sequence[Realisation], catalogue: CatalogueDigest) -> str:
+    """Describe in a clause the missing items, and the categories of which the catalogue has no asset at all."""
     additions = all_missing(hidden)
     lists = [_lacking(kind, additions) for kind in _KINDS]
     lacking = " and ".join(filter(None, lists))
@@ -45,7 +43,7 @@ def lacking_words(
     elif NO_RECIPE in additions:
         joint = ", and" if lacking else "everything it needs is there, but"
         text += f"{joint} the author does not know how to stage it recognisably"
-    return text if is_short else f"{text[0].upper()}{text[1:]}."
+    return text
 
 
 def _lacking(kind: str, additions: Sequence[Addition]) -> str:

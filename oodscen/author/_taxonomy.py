@@ -11,7 +11,8 @@ from oodscen.author._reading.recognition import Recogniser
 from oodscen.errors import LLMError
 from oodscen.prompts._tree.place_scenario import MOST_ALSO, AlsoFits, PlacedScenario, PlaceScenario
 from oodscen.prompts._tree.propose_tree import ProposedNode, ProposedTree, ProposeTree
-from oodscen.tree._scenario_tree import CLASSES, ROOT, Node
+from oodscen.tree._labels import CLASSES
+from oodscen.tree._scenario_tree import ROOT, Node
 
 _NEW_FAMILY_AT_LAST = 9
 """Rank of a family that would take the last nodes."""

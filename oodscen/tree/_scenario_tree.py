@@ -22,21 +22,12 @@ from oodscen.tree._edits import Node, TreeEdit, adding
 from oodscen.tree._export import to_dot, to_mermaid, to_nested_json
 from oodscen.tree._history import replay, undo, undo_round, version_at
 from oodscen.tree._html import notebook_html, to_page
-from oodscen.tree._labels import CLASSES, MAX_LABEL, label_fault, slug
+from oodscen.tree._labels import CLASSES, label_fault, slug
 from oodscen.tree._matching import THRESHOLD
 from oodscen.tree._merge import merge
 from oodscen.tree._provenance import Provenance, provenance
 
-__all__ = [
-    "CLASSES",
-    "MAX_LABEL",
-    "ROOT",
-    "Node",
-    "ScenarioTree",
-    "TreeEdit",
-    "label_fault",
-    "slug",
-]
+__all__ = ["ROOT", "Node", "ScenarioTree", "TreeEdit"]
 
 ROOT = "root"
 """Id of the root of every tree."""

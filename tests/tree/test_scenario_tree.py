@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from oodscen.errors import DataError, UnknownComponent, UsageError
 from oodscen.testing._encoder import HashEncoder
 from oodscen.tree._edit_log import MAX_DEPTH
-from oodscen.tree._scenario_tree import ROOT, Node, ScenarioTree, TreeEdit, slug
+from oodscen.tree._labels import slug
+from oodscen.tree._scenario_tree import ROOT, Node, ScenarioTree, TreeEdit
 from tests.tree.woods import REFUSED, broad, chain, changes, edits, few, grown, trees
 
 

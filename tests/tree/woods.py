@@ -7,7 +7,8 @@ from hypothesis import settings
 from hypothesis import strategies as st
 
 from oodscen.errors import DataError, UsageError
-from oodscen.tree._scenario_tree import MAX_LABEL, ROOT, ScenarioTree, TreeEdit
+from oodscen.tree._labels import MAX_LABEL
+from oodscen.tree._scenario_tree import ROOT, ScenarioTree, TreeEdit
 
 HOSTILE = (
     "a < b & \"c\" > 'd' ",

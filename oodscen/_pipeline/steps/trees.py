@@ -9,7 +9,8 @@ from oodscen.stages._prune.restoration import restoration
 from oodscen.stages._redteam.red_teamer import RedTeamer
 from oodscen.stages._redteam.thresholds import TOKENS
 from oodscen.study._rounds import rounds_on
-from oodscen.tree._scenario_tree import CLASSES, ScenarioTree
+from oodscen.tree._labels import CLASSES
+from oodscen.tree._scenario_tree import ScenarioTree
 
 
 def grow(run: Context) -> ScenarioTree:

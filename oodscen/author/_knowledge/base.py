@@ -9,7 +9,7 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 from oodscen.data._base import Data, no_truth_value
 from oodscen.data._category import Category
 from oodscen.data._details import Details
-from oodscen.tree._scenario_tree import MAX_LABEL
+from oodscen.tree._labels import MAX_LABEL
 
 
 def _as_range(value: Any) -> Any:

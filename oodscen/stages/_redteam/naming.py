@@ -4,7 +4,8 @@ from collections.abc import Collection, Mapping
 from typing import NamedTuple
 
 from oodscen.prompts._tree.place_scenario import PlacedScenario, PlaceScenario
-from oodscen.tree._scenario_tree import MAX_LABEL, ScenarioTree, slug
+from oodscen.tree._labels import MAX_LABEL, slug
+from oodscen.tree._scenario_tree import ScenarioTree
 
 _LONGEST = 64
 """Largest number of characters of an id."""

@@ -13,7 +13,8 @@ from oodscen.prompts._tree.judge_branch import BranchJudgement, JudgeBranch
 from oodscen.stages._prune.decisions import PruneDecision, all_decisions, apply_decisions
 from oodscen.testing import ScriptedLLM
 from oodscen.testing._flat import FlatSimulator
-from oodscen.tree._scenario_tree import TreeEdit, slug
+from oodscen.tree._labels import slug
+from oodscen.tree._scenario_tree import TreeEdit
 
 
 def grown(parents):

@@ -6,7 +6,8 @@ from hypothesis import strategies as st
 from oodscen import ScenarioTree
 from oodscen.prompts._tree.place_scenario import PlacedScenario, PlaceScenario
 from oodscen.stages._redteam.naming import Names
-from oodscen.tree._scenario_tree import TreeEdit, slug
+from oodscen.tree._labels import slug
+from oodscen.tree._scenario_tree import TreeEdit
 
 TREE = ScenarioTree.initial().apply(
     TreeEdit(op="add", node="animals", parent="interactional", label="Animals"),
