@@ -78,13 +78,14 @@ def _(part: shapes.Veil, mesh: MeshBuilder, shown: Appearance, place: Placing) -
             )
             out = math.sqrt(share)
             aside = (max(0.0, length / 2 - radius) * out, max(0.0, width / 2 - radius) * out)
-            rise = radius + max(0.0, height - 2 * radius) * height_draw
+            up = height_draw
         else:
             wide = (0.15 + 0.85 * share) if part.form == "funnel" else (0.5 + 0.5 * share)
-            radius = max(0.12, 0.33 * min(length, width) * wide)
+            radius = max(0.12, min(0.33 * min(length, width) * wide, height / 2))
             sway = 0.5 * wide
             aside = ((length / 2 - radius) * sway, (width / 2 - radius) * sway)
-            rise = height * share
+            up = share
             density *= 1.0 - 0.4 * share
+        rise = radius + max(0.0, height - 2 * radius) * up
         at = (x + aside[0] * cos(turn), y + aside[1] * sin(turn), z + rise)
         mesh.puff(place.point(at), radius, colour, density, is_bright=part.bright)

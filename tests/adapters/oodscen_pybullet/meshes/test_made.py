@@ -56,6 +56,22 @@ def test_every_lump_of_a_heap_lies_on_the_ground_or_in_it(
     assert heights.max() <= size[2] + 1e-9
 
 
+@given(
+    st.tuples(*[st.floats(0.3, 8.0)] * 3), st.integers(3, 40), st.sampled_from(["funnel", "jet"])
+)
+def test_a_veil_that_rises_stays_within_its_size(
+    size: tuple[float, float, float], puffs: int, form: Any
+) -> None:
+    veil = shapes.Veil(veil=(0.0, 0.0, 0.0), size=size, colour="grey", form=form, puffs=puffs)
+    builder = MeshBuilder()
+    add(veil, builder, Appearance(), Placing())
+    for puff in builder.build().puffs:
+        x, y, z = puff.position
+        assert abs(x) + puff.radius <= size[0] / 2 + 1e-9
+        assert abs(y) + puff.radius <= size[1] / 2 + 1e-9
+        assert puff.radius - 1e-9 <= z <= size[2] - puff.radius + 1e-9
+
+
 @settings(max_examples=15)
 @given(designs())
 def test_the_same_design_has_the_same_triangles(table: dict[str, Any]) -> None:
