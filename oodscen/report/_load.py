@@ -117,7 +117,9 @@ def read(study: Study) -> Material:
         tree = _value(store, f"tree.{name}.json", ScenarioTree.parse, material)
         if tree is not None:
             material.trees[name] = tree
-    material.rounds = _rows(store, "redteam", Round, material)
+    material.rounds = sorted(
+        _rows(store, "redteam", Round, material), key=lambda played: played.round
+    )
     material.failures += [
         FailedItem("redteam", f"round {failed.round}", failed.error or _NO_REASON)
         for failed in failed_at_end(material.rounds)

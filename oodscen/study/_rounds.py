@@ -1,10 +1,10 @@
 """The red team's rounds from which a run continues."""
 
 from collections.abc import Sequence
-from itertools import takewhile
+from itertools import pairwise, takewhile
 from typing import TYPE_CHECKING
 
-from oodscen.errors import DataError
+from oodscen.errors import DataError, Issue
 from oodscen.stages._redteam.red_teamer import Round
 from oodscen.tree._scenario_tree import ScenarioTree
 
@@ -18,18 +18,23 @@ def rounds_on(study: "Study", initial: ScenarioTree) -> list[Round]:
     A round builds on those before it. If the initial tree has changed, as far as the files tell, no round holds.
 
     Raises:
-        DataError: If an edit of a round does not fit the tree.
+        DataError: If a round occurs twice, or an edit of one does not fit the tree.
     """
     if study.store.holds("tree.diverse.json"):
         first_edits = study.tree("diverse").edits[: len(initial.edits)]
         if first_edits != initial.edits:
             return []
-    numbered = enumerate(study.rounds, start=1)
+    source = str(study.store.path("redteam.jsonl"))
+    played_rounds = study.rounds
+    for played, following in pairwise(played_rounds):
+        if played.round == following.round:
+            issue = Issue(f"round {played.round}", "occurs twice")
+            raise DataError("rounds", [issue], source=source)
+    numbered = enumerate(played_rounds, start=1)
     rounds = [played for number, played in numbered if played.round == number]
     try:
         initial.apply(*(edit for played in rounds for edit in played.edits))
     except DataError as error:
-        source = str(study.store.path("redteam.jsonl"))
         raise DataError(error.noun, error.issues, source=source) from None
     return rounds
 

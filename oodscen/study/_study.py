@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterable, Mapping
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 from urllib.parse import quote
@@ -214,8 +215,8 @@ class Study(Brief, StudyUses):
 
     @property
     def rounds(self) -> list[Round]:
-        """Every round of red teaming."""
-        return self._rows(Round, "redteam.jsonl")
+        """Every round of red teaming, in order."""
+        return sorted(self._rows(Round, "redteam.jsonl"), key=attrgetter("round"))
 
     @property
     def decisions(self) -> list[PruneDecision]:

@@ -112,6 +112,26 @@ def test_whatever_is_removed_comes_back_byte_for_byte(finished, quick, tmp_path_
     shutil.rmtree(out)
 
 
+def test_rounds_in_another_order_are_the_same_rounds(folder):
+    before = content(folder)
+    file = folder / "redteam.jsonl"
+    lines = file.read_bytes().splitlines(keepends=True)
+    random.Random(1).shuffle(lines)
+    file.write_bytes(b"".join(lines))
+    assert run(folder) == 0
+    assert content(folder) == before
+
+
+def test_a_round_that_occurs_twice_is_refused(folder):
+    file = folder / "redteam.jsonl"
+    lines = file.read_bytes().splitlines(keepends=True)
+    file.write_bytes(b"".join([*lines[:2], *lines[3:4], *lines[3:]]))
+    before = content(folder)
+    with pytest.raises(DataError, match=r"redteam\.jsonl:\n  - round 4: occurs twice"):
+        run(folder)
+    assert content(folder) == before
+
+
 def test_pictures_that_were_changed_are_made_again(folder):
     before = content(folder)
     pictures = [name for name in before if name.startswith("frames/")]
