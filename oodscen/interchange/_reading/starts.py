@@ -1,5 +1,6 @@
 """Starts of the entities of an OpenSCENARIO file."""
 
+from collections import deque
 from collections.abc import Iterable
 from typing import NamedTuple
 
@@ -70,22 +71,32 @@ class _Order:
         """The actions in order, each with the one that placed its reference."""
         self._last: dict[str, _Action] = {}
         """The last action taken of each entity."""
-        self.waiting: dict[str, list[_Action]] = {}
+        self.waiting: dict[str, deque[_Action]] = {}
         """The actions of each entity that still wait, in order."""
+        self._followers: dict[str, list[str]] = {}
+        """By entity: those whose first waiting action waited for it when it was last looked at."""
 
     def add(self, action: _Action) -> None:
         """Take an action, and all that waited for it; or let it wait."""
         if not action.is_move:
             self.waiting.pop(action.entity, None)
-        self.waiting.setdefault(action.entity, []).append(action)
-        while ready := next(
-            (own[0] for own in self.waiting.values() if self._is_ready(own[0])), None
-        ):
-            self.waiting[ready.entity].remove(ready)
-            if not self.waiting[ready.entity]:
-                del self.waiting[ready.entity]
+        self.waiting.setdefault(action.entity, deque()).append(action)
+        entities = [action.entity]
+        while entities:
+            entities += self._take(entities.pop())
+
+    def _take(self, entity: str) -> Iterable[str]:
+        """Take the actions of an entity that are ready, and return the entities that waited for the last."""
+        own = self.waiting.get(entity, deque())
+        while own and self._is_ready(own[0]):
+            ready = own.popleft()
             self._taken[ready] = self._last.get(ready.reference)
-            self._last[ready.entity] = ready
+            self._last[entity] = ready
+        if own:
+            self._followers.setdefault(own[0].reference, []).append(entity)
+            return ()
+        self.waiting.pop(entity, None)
+        return self._followers.pop(entity, ())
 
     def _is_ready(self, action: _Action) -> bool:
         if not action.reference:

@@ -10,6 +10,7 @@ from lxml import etree
 from oodscen.driving._roads.opendrive import read_network
 from oodscen.errors import OodscenError
 from oodscen.interchange._reading.positions import MappedRoads
+from oodscen.interchange._reading.starts import _Order
 from tests.interchange.reading.files import (
     IN_FOLDER,
     ROAD,
@@ -397,6 +398,20 @@ def test_two_starts_that_wait_for_each_other_are_named_as_the_cause(tmp_path):
     with pytest.raises(OodscenError, match="relative to 'b', whose place is not known") as caught:
         read(tmp_path, file([entity("ego"), entity("a"), entity("b")], starts))
     assert "relative to 'a', whose place is not known" in str(caught.value)
+
+
+@pytest.mark.parametrize("last", [lane(220), ""])
+def test_starts_that_wait_for_the_last_one_are_looked_at_a_few_times_each(
+    last, tmp_path, monkeypatch
+):
+    looks, is_ready = [], _Order._is_ready
+    monkeypatch.setattr(
+        _Order, "_is_ready", lambda self, own: looks.append(own) or is_ready(self, own)
+    )
+    starts = [start("ego", lane(200), 10), start("a", lane(250))]
+    starts += [start(f"e{n}", beside(f"e{n + 1}", 1)) for n in range(200)] + [start("e200", last)]
+    read(tmp_path, file([entity("ego"), entity("a")], starts))
+    assert len(looks) < 4 * len(starts)
 
 
 def test_an_empty_start_is_named_as_the_cause(tmp_path):
