@@ -108,6 +108,15 @@ def test_what_comes_before_a_body_has_an_end():
         bounds.note_received(MAX_HEAD_BYTES + 1)
 
 
+def test_a_second_request_of_a_call_begins_anew():
+    bounds = CallBounds(1.0, 10)
+    bounds.note_request("http://x/token")
+    bounds.note_chunk(b"a token")
+    bounds.note_request("http://x/v1")
+    bounds.note_chunk(b"an answer")
+    assert (bounds.head, bounds.received) == (b"an answer", 9)
+
+
 def test_a_handshake_ends_in_time():
     with socket.create_server(("127.0.0.1", 0)) as server:
         address = f"https://127.0.0.1:{server.getsockname()[1]}/v1"

@@ -65,9 +65,9 @@ class CallBounds:
         self.status: int | None = None
         """Status of the response; `None` before there is one."""
         self.head = b""
-        """The beginning of the body."""
+        """The beginning of the last body."""
         self.received = 0
-        """Bytes of the body received so far."""
+        """Bytes of the last body received so far."""
         self.broken: Break | None = None
         """The bound that was reached."""
         self.detail = ""
@@ -96,10 +96,12 @@ class CallBounds:
         self.broken, self.detail = broken, detail
 
     def note_request(self, url: str) -> None:
-        """Record that a request is about to be sent."""
+        """Record that a request is about to be sent; what an earlier one brought, such as a token, is forgotten."""
         self.is_sent = True
         self.url = url
         self.status = None
+        self.head = b""
+        self.received = 0
         self._head_bytes = 0
 
     def note_received(self, size: int) -> None:
