@@ -66,14 +66,14 @@ class Saturation(Data):
     """Lower 95 % bound, from the logarithm of the estimate (Chao 1987); `unseen_high` is the upper one."""
     unseen_high: float
     recent: float
-    """Share of the last rounds that brought a new kind; valid in the closed loop too."""
+    """Share of the last answered rounds that brought a new kind; valid in the closed loop too."""
     recent_low: float
     """Lower 95 % bound (Wilson 1927); `recent_high` is the upper one."""
     recent_high: float
     recent_rounds: int
     """Number of rounds behind `recent`."""
     patience: int
-    """Number of consecutive rounds without a new kind that count as dry."""
+    """Number of consecutive answered rounds without a new kind that count as dry."""
     dry_from: int | None
     """First round of the first dry spell of `patience` rounds without a new kind; `None` if there was none."""
     last_new: int
@@ -88,7 +88,8 @@ def saturation(rounds: Iterable[Round], *, patience: int = 15) -> Saturation:
 
     Args:
         rounds: All rounds in order, from the first.
-        patience: Number of rounds without a new kind that count as dry, and number of recent rounds.
+        patience: Number of rounds without a new kind that count as dry, and number of recent rounds; both leave
+            out rounds without an answer, as the option `patience` of a red team does.
     """
     patience = whole_number("patience", patience, 1)
     played = tuple(rounds)
@@ -107,7 +108,8 @@ def saturation(rounds: Iterable[Round], *, patience: int = 15) -> Saturation:
         )
     coverage, coverage_low, coverage_high = tally.coverage()
     unseen, low, high = tally.unseen()
-    recent = played[-patience:]
+    answered = [item for item in played if item.decision is not None]
+    recent = answered[-patience:]
     news = sum(item.decision in NEW for item in recent)
     least, most = wilson(news, len(recent))
     return Saturation(
@@ -128,20 +130,19 @@ def saturation(rounds: Iterable[Round], *, patience: int = 15) -> Saturation:
         recent_high=round(most, 6),
         recent_rounds=len(recent),
         patience=patience,
-        dry_from=_dry_from(played, patience),
+        dry_from=_dry_from(answered, patience),
         last_new=max((item.round for item in played if item.decision in NEW), default=0),
         curve=tuple(curve),
     )
 
 
-def _dry_from(played: Iterable[Round], patience: int) -> int | None:
+def _dry_from(answered: Iterable[Round], patience: int) -> int | None:
     """Return the first of so many consecutive rounds without a new kind."""
-    last_new = 0
-    for item in played:
-        if item.decision in NEW:
-            last_new = item.round
-        elif item.round - last_new >= patience:
-            return last_new + 1
+    spell: list[int] = []
+    for item in answered:
+        spell = [] if item.decision in NEW else [*spell, item.round]
+        if len(spell) == patience:
+            return spell[0]
     return None
 
 

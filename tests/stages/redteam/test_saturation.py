@@ -55,6 +55,13 @@ def test_a_dry_spell_begins_behind_the_last_new_kind():
     assert saturation(rounds).last_new == 8
 
 
+def test_rounds_without_an_answer_are_neither_recent_nor_dry():
+    failed = [Round(round=number, status="failed", error="no answer") for number in range(4, 9)]
+    found = saturation([*log("A", "B", "A"), *failed, *log(*"x" * 9)[8:]], patience=3)
+    assert (found.rounds, found.recent_rounds, found.dry_from) == (9, 3, None)
+    assert found.recent == pytest.approx(1 / 3, abs=1e-6)
+
+
 def test_a_kind_that_was_split_keeps_its_sightings():
     edits = (
         TreeEdit(op="broaden", node="A", label="wide"),
