@@ -109,7 +109,7 @@ def read(study: Study) -> Material:
     """Return the material of a study; never raises for a fault in the study."""
     store = study.store
     material = Material()
-    material.info = _object(store, "study.json", material)
+    material.info = _object(store, "study.json", material) or {}
     material.metrics = _value(store, "metrics.json", Measurements.parse, material)
     if store.has(AUDIT):
         material.audit = _value(store, AUDIT, Audit.parse, material)
@@ -260,15 +260,15 @@ def _sizes(config: Mapping[str, Any]) -> list[str]:
     return [str(size) for size in numbers if isinstance(size, int) and not isinstance(size, bool)]
 
 
-def _object(store: Store, name: str, material: Material) -> dict[str, Any]:
+def _object(store: Store, name: str, material: Material) -> dict[str, Any] | None:
     content = _bytes(store, name, material)
     if content is None:
-        return {}
+        return None
     try:
         return dict(make_printable(parse_object(content)))
     except ValueError as error:
         material.gaps[name] = f"{name} cannot be read: {error}"
-        return {}
+        return None
 
 
 def _value(
@@ -276,7 +276,7 @@ def _value(
 ) -> Value | None:
     """Return the value in a file of its own; a file that holds something else becomes a note."""
     content = _object(store, name, material)
-    if not content:
+    if content is None:
         return None
     try:
         return parse(content)

@@ -1,5 +1,6 @@
 import json
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -50,6 +51,12 @@ def test_one_bad_line_costs_only_itself(study: Study) -> None:
     assert "1 malformed line(s)" in after.gaps["scenes.jsonl"]
     assert "1 line(s) of scenes.jsonl are not JSON objects" in after.gaps["scenes.jsonl"]
     assert any(failure.id == "broken-001" for failure in after.failures)
+
+
+@pytest.mark.parametrize("name", ["metrics.json", "audit.json", "tree.diverse.json"])
+def test_an_object_without_members_is_a_gap(study: Study, name: str) -> None:
+    (study.folder / name).write_text("{}")
+    assert "cannot be read" in read(study).gaps[name]
 
 
 def test_a_text_that_was_lost_gives_no_other_its_missing_rarity(study: Study) -> None:
