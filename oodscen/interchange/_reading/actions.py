@@ -199,7 +199,7 @@ class ActionReader:
             node.leave_out(f"road {place.road[:40]!r} has no lane {target} at {place.s:g} m")
         else:
             lanes = place.lanes_to(target) * self._ego_direction(place)
-            duration_s = lane_change_s(node, self.speeds.get(name, 0.0))
+            duration_s = lane_change_s(node, self.speeds.get(name, 0.0), lanes)
             parameters = {"lanes": float(lanes), "duration": duration_s}
             self._add(name, Action("lane_change", node, trigger, parameters))
 

@@ -21,7 +21,7 @@ class _Transition(NamedTuple):
 
 
 def is_gradual(node: Element, name: str) -> bool:
-    """Return whether a transition takes time; an unknown dimension is noted."""
+    """Return whether a transition takes time; values that are read otherwise than written are noted."""
     return _transition(node, name) is not None
 
 
@@ -50,13 +50,13 @@ def speed_change_s(node: Element, before: float, after: float) -> float:
     return transition.value
 
 
-def lane_change_s(node: Element, speed: float) -> float:
-    """Return how long a `LaneChangeAction` takes, s; 0 if it is at once."""
+def lane_change_s(node: Element, speed: float, lanes: int) -> float:
+    """Return how long a `LaneChangeAction` by some lanes to either side takes, s; 0 if it is at once."""
     transition = _transition(node, "LaneChangeActionDynamics")
     if transition is None:
         return 0.0
     if transition.dimension == "rate":
-        return LANE_M / transition.value
+        return abs(lanes) * LANE_M / transition.value
     if transition.dimension == "distance":
         return transition.value / max(speed, _SLOWEST_MPS)
     return transition.value
@@ -67,15 +67,14 @@ def _transition(node: Element, name: str) -> _Transition | None:
     dynamics = node.first(name)
     if dynamics is None:
         return None
-    value = dynamics.number("value")
+    value, dimension = dynamics.number("value"), dynamics.get("dynamicsDimension")
+    if dynamics.get("dynamicsShape") == "step":
+        return None
     if value < 0.0:
         dynamics.note(f"value={value:g} is read as {-value:g}")
         value = -value
-    dimension = dynamics.get("dynamicsDimension")
     if dimension not in ("rate", "time", "distance"):
         dynamics.note(f"dynamicsDimension={dimension[:40]!r} is read as at once")
-        return None
-    if dynamics.get("dynamicsShape") == "step":
         return None
     if value == 0.0:
         if dimension != "time":

@@ -66,7 +66,9 @@ def duration(event: Element, speed: float) -> float | None:
 
 def _action_duration(node: Element, speed: float) -> float | None:
     if node.name == "LaneChangeAction":
-        return lane_change_s(node, speed)
+        relative = node.first("LaneChangeTarget", "RelativeTargetLane")
+        # An absolute one is taken for the next: the lane of the entity by then is not known.
+        return lane_change_s(node, speed, 1 if relative is None else relative.integer("value"))
     target = node.first("SpeedActionTarget", "AbsoluteTargetSpeed")
     if node.name != "SpeedAction" or target is None:
         return None

@@ -230,6 +230,27 @@ def test_a_lane_change_from_off_all_lanes_is_left_out(place, is_known, tmp_path)
     assert told is not is_known
 
 
+@pytest.mark.parametrize(
+    "target",
+    [
+        '<AbsoluteTargetLane value="2"/>',
+        '<RelativeTargetLane entityRef="a" value="2"/>',
+    ],
+)
+def test_a_change_by_two_lanes_at_a_rate_takes_twice_as_long(target, tmp_path):
+    change = to_lane(target).replace('"time"', '"rate"')
+    found = read(tmp_path, cars(event(change, at(2)), place=lane(250, -1)))
+    behaviour = found.scene.actors[0].behaviour
+    assert behaviour.parameters["lanes"] == 2.0
+    assert behaviour.parameters["duration"] == pytest.approx(7.0 / 3.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("action", [speed(0, "step", -2, "none"), speed(0, "step", 2, "speed")])
+def test_how_long_a_step_takes_is_not_noted(action, tmp_path):
+    found = notes(read(tmp_path, cars(event(action, at(2)))))
+    assert not any("SpeedActionDynamics" in note for note in found)
+
+
 def mirrored_road():
     """Return the road, whose cross-section is symmetric, as in a mirror: its traffic keeps to the left."""
     tree = etree.fromstring(ROAD)
