@@ -127,6 +127,7 @@ class Bed(Data):
     length: Length
     """Greatest length of a load, m."""
     width: Length
+    """Greatest width of a load, m."""
 
 
 class AssetDetails(Data):
@@ -195,10 +196,11 @@ def shown_as(
     """
     offers = asset.offers or AssetDetails()
     pose = kinds.pose(posed(details))
+    grip = pose.grip if pose is not None and pose.id in offers.poses else None
     size = _bare_size(asset, offers, details, pose)
     held, load = things.get(details.holds), things.get(details.cargo)
-    if held is not None and pose is not None and pose.grip is not None:
-        size = _with_held(size, held, pose.grip, offers.scale)
+    if held is not None and grip is not None:
+        size = _with_held(size, held, grip, offers.scale)
     if load is not None and offers.bed is not None:
         size = _with_load(size, load, offers.bed)
     length, width, height = size

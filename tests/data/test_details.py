@@ -225,6 +225,13 @@ def test_the_size_follows_the_details():
     assert body.description == "a adult, lying"
 
 
+@pytest.mark.parametrize("name", ["deer", "car", "crate"])
+def test_details_that_an_asset_does_not_offer_leave_its_size(name):
+    shown = CATALOGUE.shown(actor(name, holds="crate"))
+    own = CATALOGUE.asset(name)
+    assert (shown.length, shown.width, shown.height) == (own.length, own.width, own.height)
+
+
 @given(
     st.sampled_from(["before", "above", "beside"]),
     st.tuples(st.floats(0.1, 2), st.floats(0.1, 3), st.floats(0.05, 2)),

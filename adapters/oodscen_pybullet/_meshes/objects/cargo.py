@@ -25,7 +25,7 @@ _STONES, _STONE_TURN = 24, 2.4
 _COLUMNS, _ROWS = 9, 8
 """Corners of a tarpaulin along x and y."""
 _SHEET = (1.1, 1.3)
-"""Half its length and its width, m."""
+"""Half its length and half its width, m."""
 _TWIGS = 44
 """Twigs of a tumbleweed."""
 _WEED_Z, _WEED_RADIUS = 0.42, 0.40
