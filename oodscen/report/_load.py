@@ -68,8 +68,6 @@ class Material:
     whole: list[Episode] = field(default_factory=list)
     """Episodes of the paper's protocol, if it was used."""
     verdicts: list[Verdict] = field(default_factory=list)
-    are_verdicts_whole: bool = True
-    """False if verdicts were left out, so that no model can be graded."""
     drives: list[DriveResult] = field(default_factory=list)
     restagings: list[dict[str, Any]] = field(default_factory=list)
     """Lines of `restaged.jsonl`."""
@@ -82,6 +80,11 @@ class Material:
     failures: list[FailedItem] = field(default_factory=list)
     gaps: dict[str, str] = field(default_factory=dict)
     """By file name: the reason why it is missing, wholly or in part."""
+
+    @property
+    def are_verdicts_whole(self) -> bool:
+        """False if verdicts are missing or were left out, so that no model can be graded."""
+        return TABLES["verdicts"] not in self.gaps
 
     @property
     def config(self) -> Mapping[str, Any]:
@@ -216,7 +219,6 @@ def _leave_out_stale(store: Store, material: Material) -> None:
     if stale:
         ids = {make_printable(verdict.id) for verdict in stale}
         material.verdicts = [verdict for verdict in material.verdicts if verdict.id not in ids]
-        material.are_verdicts_whole = False
         _note(material, "verdicts.jsonl", f"{make_printable(stale_in_words(stale))}; left out here")
 
 

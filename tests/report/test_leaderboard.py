@@ -210,7 +210,7 @@ def test_models_are_graded_only_if_all_verdicts_are_there() -> None:
         grade.name for grade in page.leaderboard_variables(material, board, BARS)["grades"]
     ] == ["m"]
     assert page.leaderboard_variables(material, board, ())["grades"] == []
-    material.are_verdicts_whole = False
+    material.gaps["verdicts.jsonl"] = "1 malformed line(s)"
     assert page.leaderboard_variables(material, board, BARS)["grades"] == []
 
 

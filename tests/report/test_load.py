@@ -59,6 +59,14 @@ def test_an_object_without_members_is_a_gap(study: Study, name: str) -> None:
     assert "cannot be read" in read(study).gaps[name]
 
 
+@pytest.mark.parametrize("line", [b"not json", b'{"id": "half"}'])
+def test_verdicts_of_which_a_line_is_lost_are_not_whole(study: Study, line: bytes) -> None:
+    assert read(study).are_verdicts_whole
+    file = study.folder / "verdicts.jsonl"
+    file.write_bytes(b"\n".join([line, *file.read_bytes().split(b"\n")[1:]]))
+    assert not read(study).are_verdicts_whole
+
+
 def test_a_text_that_was_lost_gives_no_other_its_missing_rarity(study: Study) -> None:
     store, count = study.folder, len(read(study).scenarios)
     flags = [("not answered",), *[()] * (count - 1)]
