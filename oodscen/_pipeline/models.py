@@ -65,19 +65,24 @@ class Models:
         """Check that every answerer to be judged has a name of its own, under which its verdicts are kept.
 
         Raises:
-            UsageError: If two have one name, or a model has that of a reference.
+            UsageError: If two have one name, or a model has that of a reference or of a person.
         """
         names = [
             (name, self.get(name).name)
             for name in self._config.vlms
             if is_asked(name) or not is_reference(self.get(name))
         ]
+        for name, verdict_name in names:
+            if verdict_name.startswith(person("")):
+                raise UsageError(
+                    f"{name!r} calls itself {verdict_name!r}, which is how a person's answers are named: give it "
+                    "another name"
+                )
         names += [
             (f"{name} without pictures", without_pictures(self.get(name).name))
             for name in self._config.withheld
             if name in self._config.vlms and not takes_cases(self.get(name))
         ]
-        names += [(name, person(name)) for name in self._config.people]
         owners = dict.fromkeys(ALWAYS, "a reference")
         for name, verdict_name in names:
             if verdict_name in owners:

@@ -183,7 +183,6 @@ class Named(ScriptedLLM):
         ({"random": "mine", "a": "random"}, {}),
         ({"a": "mine", "b": "mine"}, {}),
         ({"a": "mine", "b": "mine without pictures"}, {"withheld": ("a",)}),
-        ({"a": "human:Ada"}, {"people": ("Ada",)}),
     ],
 )
 def test_two_answerers_of_one_name_are_refused_before_anything_is_written(tmp_path, models, more):
@@ -191,6 +190,13 @@ def test_two_answerers_of_one_name_are_refused_before_anything_is_written(tmp_pa
     options = RunOptions(models={name: Named(its) for name, its in models.items()})
     with pytest.raises(UsageError, match="would be kept under the name"):
         Context(tmp_path / "out", config, options).prepare()
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_model_that_is_named_like_a_person_is_refused(tmp_path):
+    config = QUICK.model_copy(update={"vlms": ("a",)})
+    with pytest.raises(UsageError, match="how a person's answers are named"):
+        Context(tmp_path / "out", config, RunOptions(models={"a": Named("human:Ada")})).prepare()
     assert not (tmp_path / "out").exists()
 
 
