@@ -145,8 +145,8 @@ class TextStructure:
         return noun if phrases.context("sentence").search(between) else earlier[-1]
 
     def _is_ego(self, noun: Noun) -> bool:
-        words = self.text[noun.start : noun.end].casefold()
-        return words in ("it", "you") or "ego" in words
+        words = self.text[noun.start : noun.end]
+        return phrases.context("may_be_ego").fullmatch(words) is not None
 
     def _may_govern(self, noun: Noun) -> bool:
         """Return whether the words right after a noun phrase can describe it."""

@@ -229,6 +229,14 @@ def test_things_and_lanes_are_counted_whole_or_not_at_all(text, expected):
     assert numbers_in(text) == expected
 
 
+@pytest.mark.parametrize(
+    "ego", ["the ego vehicle", "the autonomous vehicle", "your own vehicle", "it", "you", "I", "we"]
+)
+def test_a_statement_about_what_the_ego_passed_is_about_that_by_any_name_of_the_ego(ego):
+    claims = told(f"A child that {ego} passed is lying in the road.")
+    assert claims == {"child thing present", "child motion stationary"}
+
+
 @pytest.mark.parametrize("clock", ["11:02 a.m.", "1:10 p.m.", "9.03 a.m."])
 def test_an_hour_does_not_start_in_its_minutes(clock):
     assert "time night" not in told(f"At {clock} a box lies in the lane.")
