@@ -68,7 +68,7 @@ class MotionMaker:
 
 
 def trial_scene(motion: Motion, catalogue: Catalogue) -> Scene | None:
-    """Return a scene on the first road in which one actor moves so, or `None` if the catalogue has none that can."""
+    """Return a scene on the longest road in which one actor moves so, or `None` if the catalogue has none that can."""
     able = ABILITIES[motion.body].categories
     mover = next((asset for asset in catalogue.assets if asset.category in able), None)
     carrier = next((asset for asset in catalogue.assets if asset.category == "vehicle"), None)
