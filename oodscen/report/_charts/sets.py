@@ -218,12 +218,10 @@ def scatter(clouds: Sequence[Cloud], title: str, axes: tuple[str, str]) -> Canva
         for place, cloud in enumerate(clouds, 1)
     ]
     canvas = Canvas(title, _MAP + 44 + legend_height(entries))
-    for value in np.linspace(left, right, 5).tolist():
-        canvas.text(
-            "tick middle", x(value), _MAP + 8, signed(value, max(1, _digits((right - left) / 4)))
-        )
-    for value in np.linspace(bottom, top, 4).tolist():
-        canvas.row(y(value), 40, WIDTH - 14, signed(value, 2))
+    for value, label in _ticks(left, right, 5, digits=1):
+        canvas.text("tick middle", x(value), _MAP + 8, label)
+    for value, label in _ticks(bottom, top, 4, digits=2):
+        canvas.row(y(value), 40, WIDTH - 14, label)
     for place, cloud in enumerate(clouds, 1):
         for first, second in cloud.points:
             canvas.circle(f"point {set_class(place)}", x(first), y(second), 2.2)
@@ -251,6 +249,14 @@ def _step(span: float, ticks: int, *, least: float) -> float:
     """Return a round step that cuts a span into at most about this many parts."""
     sizes = (factor * least * 10**power for power in range(9) for factor in (1, 2, 5))
     return next((size for size in sizes if span / size <= ticks), span / ticks)
+
+
+def _ticks(low: float, high: float, count: int, *, digits: int) -> list[tuple[float, str]]:
+    """Return evenly spaced values with labels that tell them apart; one value if there is no more."""
+    if high - low < _LEAST_SPAN:
+        return [(low, signed(low, digits))]
+    digits = max(digits, _digits((high - low) / (count - 1)))
+    return [(value, signed(value, digits)) for value in np.linspace(low, high, count).tolist()]
 
 
 def _digits(step: float) -> int:
