@@ -168,8 +168,10 @@ class _Undoing:
         for index, edit in enumerate(tree.edits):
             if edit.undoes is None:
                 self._indices.setdefault(edit.node, []).append(index)
-        self._additions = {edit.node: edit for edit in tree.edits if edit.op == "add"}
-        """The last edit that added each node."""
+        self._added_at = {
+            edit.node: index for index, edit in enumerate(tree.edits) if edit.op == "add"
+        }
+        """Index of the last edit that added each node."""
 
     def undo(self, index: int) -> None:
         """Undo an edit in the tree as it is now."""
@@ -180,9 +182,12 @@ class _Undoing:
             state = "is there again" if edit.op == "remove" else "is gone"
             raise UsageError(f"edit {index} cannot be undone: its node {edit.node!r} {state}")
         steps = self._inverse(index)
-        self.log.extend(len(self.log.log), steps)
+        first = len(self.log.log)
+        self.log.extend(first, steps)
         self.inverses += steps
-        self._additions |= {step.node: step for step in steps if step.op == "add"}
+        self._added_at |= {
+            step.node: number for number, step in enumerate(steps, first) if step.op == "add"
+        }
 
     def applied(self) -> "ScenarioTree":
         """Return the tree with everything undone."""
@@ -203,7 +208,7 @@ class _Undoing:
         before, was = self.log.before[index], self._in_force(edit.node)
         self._leave_out(index)
         if edit.op == "add":
-            bare = [] if edit.undoes is not None else self._left_bare(edit.node)
+            bare = [] if edit.undoes is not None else self._left_bare(index)
             going = [*reversed(self.log.at_or_below(edit.node)), *bare]
             return [TreeEdit(op="remove", node=node_id, **fields) for node_id in going]
         if before is not None and edit.op == "remove":
@@ -221,35 +226,40 @@ class _Undoing:
         parents = reversed(_missing_parents(self.log, before))
         move = TreeEdit(op="move", node=edit.node, parent=before.parent, **fields)
         # What an undo brought back has edits of its own, which can be undone.
-        bare = [] if edit.undoes is not None else self._left_bare(edit.node, keep=before.parent)
+        bare = [] if edit.undoes is not None else self._left_bare(index, keep=before.parent)
         return [
             *(adding(node, **fields) for node in parents),
             move,
             *(TreeEdit(op="remove", node=node_id, **fields) for node_id in bare),
         ]
 
-    def _left_bare(self, node_id: str, *, keep: str | None = None) -> list[str]:
+    def _left_bare(self, index: int, *, keep: str | None = None) -> list[str]:
         """Return the nodes above one that only came back with it or its like, and are bare without it, bottom up.
 
         Args:
-            node_id: The node that goes.
+            index: The edit that is undone, whose node goes.
             keep: A node that must stay, with all nodes above it.
         """
         bare: list[str] = []
         kept = set(self.log.ancestry(keep)) if keep in self.log.nodes else set[str]()
-        below = node_id
+        below = self._edits[index].node
         while (parent := self.log.nodes[below].parent) is not None:
-            if parent in kept or not self.log.has_one_child(parent) or not self._is_aid(parent):
+            is_needed = parent in kept or not self.log.has_one_child(parent)
+            if is_needed or not self._is_aid(parent, index):
                 break
             bare.append(parent)
             below = parent
         return bare
 
-    def _is_aid(self, node_id: str) -> bool:
-        """Return whether a node is only there since a node below it came back."""
+    def _is_aid(self, node_id: str, index: int) -> bool:
+        """Return whether a node is only there since a node below it came back, after an edit and with none of its own."""
+        added_at = self._added_at[node_id]
+        own = self._indices.get(node_id, ())
+        if added_at < index or any(added_at < one and one not in self.undone for one in own):
+            return False
         if self._in_force(node_id) is None:
             return True
-        earlier = self._additions[node_id].undoes
+        earlier = self.log.log[added_at].undoes
         return earlier is not None and self.log.log[earlier].node != node_id
 
     def _op(self, index: int) -> str:

@@ -173,6 +173,22 @@ def test_what_a_round_added_and_removed_does_not_come_back():
     assert tree.undo(round=3).nodes == before.nodes
 
 
+def test_what_came_back_and_was_edited_since_stays_when_a_later_leaf_goes():
+    family = TreeEdit(op="add", node="fam", parent=ROOT, label="Things on the road")
+    dog = TreeEdit(op="add", node="dog", parent="fam", label="Dog")
+    other = TreeEdit(op="add", node="other", parent=ROOT, label="Weather")
+    tree = ScenarioTree.initial().apply(family, dog, other)
+    tree = tree.undo(tree.edits.index(family))
+    gone = next(i for i, edit in enumerate(tree.edits) if (edit.op, edit.node) == ("remove", "dog"))
+    tree = tree.undo(gone).apply(TreeEdit(op="move", node="dog", parent="other"))
+    wider = TreeEdit(op="broaden", node="fam", label="Things on or beside the road")
+    cat = TreeEdit(op="add", node="cat", parent="fam", label="Cat")
+    for before in (tree, tree.apply(wider)):
+        after = before.apply(cat)
+        assert after.undo().nodes == before.nodes
+        assert after.undo().undo(-1).nodes == after.nodes
+
+
 def test_a_removed_leaf_comes_back_with_its_parents_and_to_its_place():
     tree = ScenarioTree.initial().apply(
         TreeEdit(op="add", node="weather", parent="environmental", label="Weather"),

@@ -1,5 +1,6 @@
 """Scenes from OpenSCENARIO XML files: our own exactly, those of others as far as the vocabulary goes."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -100,6 +101,8 @@ def _check_version(tree: OpenScenarioFile) -> bool:
     major, minor = (header.get(name).strip() for name in ("revMajor", "revMinor"))
     if major != _MAJOR:
         raise header.fault(f"version {major[:20]!r} is not read; 1.0 to 1.3 are", "revMajor")
+    if not re.fullmatch("[0-9]+", minor):
+        raise header.fault(f"{minor[:20]!r} is no minor version; 1.0 to 1.3 are read", "revMinor")
     if minor not in _MINORS:
         header.note(f"version 1.{minor[:20]} is unknown and read as 1.3")
     return minor in _MINORS
