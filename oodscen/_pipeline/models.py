@@ -8,7 +8,7 @@ from oodscen._pipeline.options import RunOptions
 from oodscen._registry import make_llm
 from oodscen.data._verdict import without_pictures
 from oodscen.errors import UsageError
-from oodscen.judging._people import person
+from oodscen.judging._people import is_person
 from oodscen.judging._references import ALWAYS, is_reference, takes_cases
 from oodscen.llm._call_log import Call, LoggedLLM
 from oodscen.llm._fallback import FallbackLLM
@@ -73,7 +73,7 @@ class Models:
             if is_asked(name) or not is_reference(self.get(name))
         ]
         for name, verdict_name in names:
-            if verdict_name.startswith(person("")):
+            if is_person(verdict_name):
                 raise UsageError(
                     f"{name!r} calls itself {verdict_name!r}, which is how a person's answers are named: give it "
                     "another name"

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
+from operator import attrgetter
 from typing import Any, NamedTuple, TypeVar
 
 from oodscen._io.files import read_bytes
@@ -120,9 +121,7 @@ def read(study: Study) -> Material:
         tree = _value(store, f"tree.{name}.json", ScenarioTree.parse, material)
         if tree is not None:
             material.trees[name] = tree
-    material.rounds = sorted(
-        _rows(store, "redteam", Round, material), key=lambda played: played.round
-    )
+    material.rounds = sorted(_rows(store, "redteam", Round, material), key=attrgetter("round"))
     material.failures += [
         FailedItem("redteam", f"round {failed.round}", failed.error or _NO_REASON)
         for failed in failed_at_end(material.rounds)

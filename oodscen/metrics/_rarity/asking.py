@@ -55,13 +55,12 @@ def ask_rarity(
         LLMError: If the model can answer none of the questions about texts.
     """
     calls: list[Call] = []
-    failures: list[LLMError] = []
     logged = LoggedLLM(llm, calls.append)
-    per_text = _ask_all(logged, texts, draws, per_call, failures)
+    per_text, failures = _ask_all(logged, texts, draws, per_call)
     if failures and not any(call.status == "ok" for call in calls):
         raise failures[0]
     answered, estimates = [], []
-    for rate, estimate in _rate_estimates(logged, anchors or (), draws, per_call, failures):
+    for rate, estimate in _rate_estimates(logged, anchors or (), draws, per_call):
         if estimate is not None:
             answered.append(rate)
             estimates.append(estimate)
@@ -78,17 +77,14 @@ def ask_rarity(
 
 
 def _rate_estimates(
-    llm: LLM,
-    rates: Sequence[PublishedRate],
-    draws: int,
-    per_call: int,
-    failures: list[LLMError],
+    llm: LLM, rates: Sequence[PublishedRate], draws: int, per_call: int
 ) -> Iterator[tuple[PublishedRate, float | None]]:
     """Yield each published rate with the model's mean estimate over its wordings, `None` if it gives none."""
     wordings = [text for rate in rates for text in rate.texts]
-    rarities = iter(_ask_all(llm, wordings, draws, per_call, failures))
+    rarities, _ = _ask_all(llm, wordings, draws, per_call)
+    waiting = iter(rarities)
     for rate in rates:
-        figures = [next(rarities).best for _ in rate.texts]
+        figures = [next(waiting).best for _ in rate.texts]
         known = [figure for figure in figures if figure is not None]
         yield rate, float(np.mean(known)) if known else None
 
@@ -103,10 +99,11 @@ def questions(texts: Sequence[str], per_call: int = PER_CALL) -> list[EstimateRa
 
 
 def _ask_all(
-    llm: LLM, texts: Sequence[str], draws: int, per_call: int, failures: list[LLMError]
-) -> list[TextRarity]:
-    """Return the rarity of each text by the draws of a model that it answered; add what kept it from answering."""
+    llm: LLM, texts: Sequence[str], draws: int, per_call: int
+) -> tuple[list[TextRarity], list[LLMError]]:
+    """Return the rarity of each text by the draws of a model that it answered, and what kept it from answering."""
     answers: list[list[RarityEstimate]] = [[] for _ in texts]
+    failures: list[LLMError] = []
     for block, prompt in enumerate(questions(texts, per_call)):
         first = block * per_call
         for sample in range(draws):
@@ -119,7 +116,8 @@ def _ask_all(
                 continue
             for estimate in answer.estimates:
                 answers[first + estimate.number - 1].append(estimate)
-    return [_join(estimates, text) for estimates, text in zip(answers, texts, strict=True)]
+    rarities = [_join(estimates, text) for estimates, text in zip(answers, texts, strict=True)]
+    return rarities, failures
 
 
 def _join(estimates: Sequence[RarityEstimate], text: str) -> TextRarity:
