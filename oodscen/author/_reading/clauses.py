@@ -39,6 +39,11 @@ class Noun:
     is_oblique: bool
     """True if it follows a preposition."""
 
+    @property
+    def is_certain(self) -> bool:
+        """True if it names a thing that counts as present by being named."""
+        return self.subject is not None and not self.subject.is_faint
+
 
 @dataclass
 class Clause:
@@ -49,6 +54,11 @@ class Clause:
     sentence: int
     is_relative: bool
     nouns: list[Noun] = field(default_factory=list)
+
+    @property
+    def heads(self) -> list[Noun]:
+        """The noun phrases that may be subjects: those without a preposition."""
+        return [noun for noun in self.nouns if not noun.is_oblique]
 
 
 def clauses_of(text: str) -> list[Clause]:

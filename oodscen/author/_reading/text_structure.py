@@ -17,6 +17,8 @@ _UP_TO_ADJECTIVE = re.compile(r" (?:(?!(?:an?|the|its)\b)[\w-]+ )?", re.IGNORECA
 _GOES_ON = re.compile(r"(?<=, )(?!(?:and|but) )")
 """The start of words between commas."""
 _DETERMINERS = frozenset("a an the its his her their two three some several no another".split())
+_FEW_WORDS = 6
+"""Smallest number of words after the ego that are more than a verb with its adverbs."""
 _APPOSED = 24
 """Largest distance between a noun and a relative clause about it, in characters."""
 
@@ -52,59 +54,59 @@ class TextStructure:
     def modifies_noun(self, end: int) -> bool:
         """Return whether a word is an adjective of the noun that immediately follows."""
         following = next((noun for noun in self.nouns if noun.start >= end), None)
-        if following is None or following.subject is None or following.subject.is_faint:
+        if following is None or not following.is_certain:
             return False
         between = self.text[end : following.start]
         return _UP_TO_ADJECTIVE.fullmatch(between) is not None
 
     def comer(self, start: int, end: int) -> Subject | None:
         """Return the thing that comes from a side; if the side opens a clause, the thing after it."""
-        subject = self.owner(start, end, is_verb=True)
         clause = self.clauses[self.clause_at(start)]
-        if any(noun.end <= start and not noun.is_oblique for noun in clause.nouns):
-            return subject
-        after = [noun for noun in clause.nouns if noun.start >= end and not noun.is_oblique]
-        return after[0].subject if after else subject
+        if not any(noun.end <= start for noun in clause.heads):
+            for noun in clause.heads:
+                if noun.start >= end:
+                    return noun.subject
+        return self.owner(start, end, is_verb=True)
 
     def owner(self, start: int, end: int, *, is_verb: bool) -> Subject | None:
         """Return the thing that a predicate describes; `None` for the ego or if it is unclear."""
-        index = self.clause_at(start)
-        clause = self.clauses[index]
+        clause = self.clauses[self.clause_at(start)]
         before = [noun for noun in clause.nouns if noun.end <= start]
-        heads = [noun for noun in before if not noun.is_oblique]
-        if heads and clause.is_relative:
-            opening = self.text[clause.start : heads[0].start].split()
-            is_verb_first = len(opening) > 1 and opening[1].casefold() not in _DETERMINERS
+        head = next((noun for noun in before if not noun.is_oblique), None)
+        if head is not None and self._is_about_antecedent(clause, head, start):
             antecedent = self._antecedent(clause)
-            tail = self.text[heads[0].end : start].split()
-            is_past = len(opening) == 1 and self._is_ego(heads[0]) and 0 < len(tail) < 6
-            if (is_verb_first or (is_past and "and" not in tail)) and antecedent is not None:
+            if antecedent is not None:
                 return antecedent
-        if before and start - before[-1].end <= 1 and self._may_govern(before[-1]):
+        if before and start - before[-1].end <= 1 and self._may_govern(before[-1]):  # a van parked
             return self._referent(before[-1]).subject
-        if heads:
-            head = self._referent(heads[0])
-            if head.subject is None and self._is_ego(head) and not is_verb and len(before) > 1:
-                rest = [noun for noun in before if noun.start > head.start]
-                return rest[-1].subject if rest else None
-            return head.subject
+        if head is None:
+            return self._owner_elsewhere(clause, start, end, is_verb=is_verb)
+        head = self._referent(head)
+        if self._is_ego(head) and not is_verb and len(before) > 1:  # we meet a van in our lane
+            return before[-1].subject if before[-1].start > head.start else None
+        return head.subject
+
+    def _owner_elsewhere(
+        self, clause: Clause, start: int, end: int, *, is_verb: bool
+    ) -> Subject | None:
+        """Return the thing that a predicate describes if its clause has no subject before it."""
         if self.is_about_absent(start):
             return None
-        if not is_verb:
-            after = [noun for noun in clause.nouns if noun.start >= end and not noun.is_oblique]
-            if after and not before:
-                return after[0].subject
-        if not before and clause.is_relative:
-            return self._antecedent(clause)
+        oblique = next((noun for noun in clause.nouns if noun.end <= start), None)
+        if oblique is None:
+            follower = next((noun for noun in clause.heads if noun.start >= end), None)
+            if follower is not None and not is_verb:  # ahead, a van
+                return follower.subject
+            if clause.is_relative:  # a van, which is parked
+                return self._antecedent(clause)
         if is_verb and not clause.is_relative:
             follower = next((noun for noun in clause.nouns if noun.start >= end), None)
-            between = self.text[start : follower.start] if follower is not None else ""
-            if follower is not None and follower.subject and _INVERTED.fullmatch(between):
+            if follower is not None and _INVERTED.fullmatch(self.text, start, follower.start):
                 return follower.subject
-        earlier = self._earlier_head(index)
+        earlier = self._earlier_head(clause)
         if earlier is not None:
             return earlier.subject
-        return before[0].subject if before and is_verb else None
+        return oblique.subject if oblique is not None and is_verb else None
 
     def is_about_absent(self, position: int) -> bool:
         """Return whether the words at a position are about what the text denies.
@@ -113,40 +115,46 @@ class TextStructure:
         """
         clause, end = self.clauses[self.clause_at(position)], position
         while not phrases.context("absent").search(self.text[clause.start : end]):
-            has_head = any(not noun.is_oblique for noun in clause.nouns)
-            if has_head or not _GOES_ON.match(self.text, clause.start):
+            if clause.heads or not _GOES_ON.match(self.text, clause.start):
                 return False
             end = clause.start
             clause = self.clauses[self.clause_at(end - 1)]
         return True
 
+    def _is_about_antecedent(self, clause: Clause, head: Noun, start: int) -> bool:
+        """Return whether a predicate describes the antecedent of its clause, not the first noun in it.
+
+        So it is after a verb (`the van that hit the cone`) and where the ego is the subject (`the
+        child that we passed`).
+        """
+        if not clause.is_relative:
+            return False
+        opening = self.text[clause.start : head.start].split()
+        if len(opening) > 1:
+            return opening[1].casefold() not in _DETERMINERS
+        between = self.text[head.end : start].split()
+        is_past = 0 < len(between) < _FEW_WORDS and "and" not in between
+        return len(opening) == 1 and is_past and self._is_ego(head)
+
     def _referent(self, noun: Noun) -> Noun:
-        """Return the referent of a pronoun: the last thing that its sentence named."""
+        """Return the referent of a pronoun: the last person, or the last thing that its sentence named."""
         word = self.text[noun.start : noun.end].casefold()
+        earlier = [other for other in self.nouns if other.end <= noun.start]
         if word in ("he", "she"):
-            people = [
-                other
-                for other in self.nouns
-                if other.end <= noun.start
-                and other.subject
-                and other.subject.mention.thing.group == "person"
-            ]
-            return people[-1] if people else noun
+            return next((other for other in reversed(earlier) if _is_person(other)), noun)
         if word not in ("it", "they"):
             return noun
-        earlier = [
-            other
-            for other in self.nouns
-            if other.end <= noun.start and (other.subject is not None or not other.is_oblique)
-        ]
-        if not earlier or earlier[-1].subject is None:
+        last = next(
+            (other for other in reversed(earlier) if other.subject or not other.is_oblique), None
+        )
+        if last is None or last.subject is None:
             return noun
-        between = self.text[earlier[-1].end : noun.start]
-        return noun if phrases.context("sentence").search(between) else earlier[-1]
+        is_past = phrases.context("sentence").search(self.text[last.end : noun.start])
+        return noun if is_past else last
 
     def _is_ego(self, noun: Noun) -> bool:
         words = self.text[noun.start : noun.end]
-        return phrases.context("may_be_ego").fullmatch(words) is not None
+        return noun.subject is None and phrases.context("may_be_ego").fullmatch(words) is not None
 
     def _may_govern(self, noun: Noun) -> bool:
         """Return whether the words right after a noun phrase can describe it."""
@@ -162,16 +170,25 @@ class TextStructure:
         between = self.text[earlier[-1].end : clause.start]
         return None if phrases.context("sentence").search(between) else earlier[-1].subject
 
-    def _earlier_head(self, index: int) -> Noun | None:
+    def _earlier_head(self, clause: Clause) -> Noun | None:
         """Return the subject of the nearest earlier clause of the same sentence."""
-        for clause in reversed(self.clauses[:index]):
-            if clause.sentence != self.clauses[index].sentence:
-                return None
-            heads = [noun for noun in clause.nouns if not noun.is_oblique]
-            heads = heads or [noun for noun in clause.nouns if noun.subject is not None]
-            heads = heads or clause.nouns
-            if all(noun.subject is not None and noun.subject.is_faint for noun in heads):
-                heads = [noun for noun in heads if not noun.is_oblique]
-            if heads:
-                return heads[0]
+        for earlier in reversed(self.clauses):
+            if earlier.start < clause.start and earlier.sentence == clause.sentence:
+                head = _head_of(earlier)
+                if head is not None:
+                    return head
         return None
+
+
+def _head_of(clause: Clause) -> Noun | None:
+    """Return the subject of a clause; without one, the first thing that it names, unless all are faint."""
+    if clause.heads:
+        return clause.heads[0]
+    things = [noun for noun in clause.nouns if noun.subject is not None]
+    if things:
+        return things[0] if any(noun.is_certain for noun in things) else None
+    return clause.nouns[0] if clause.nouns else None
+
+
+def _is_person(noun: Noun) -> bool:
+    return noun.subject is not None and noun.subject.mention.thing.group == "person"
