@@ -223,7 +223,7 @@ class _ClaimReader:
             return thing.group in ("vehicle", "signal")
         if value == "behind":
             is_clear = thing.group == "vehicle" and not self._structure.names_others(start, subject)
-            return is_clear or "ego" in words.casefold()
+            return is_clear or phrases.context("ego").search(words) is not None
         if pattern.kind != "motion":
             return True
         if value == "stationary":

@@ -14,7 +14,9 @@ from oodscen.data._claim import Kind
 _TABLE: dict[str, Any] = tomllib.loads(bundled("phrases.toml", "oodscen.author._reading"))
 _ANY_EGO = (
     r"(?:(?:(?:the|an|your|its) )?(?:(?:user-controlled )?ego(?:[- ](?:vehicle|car|motorcycle|driver))?"
-    r"|hero vehicle|autonomous vehicle|automated vehicle|self-driving car|own vehicle)|(?:me|us)(?![\w-]))"
+    r"|(?:hero|host|subject) vehicle|vehicle under test"
+    r"|(?:autonomous|automated|self-driving|own) (?:vehicle|car))"
+    r"|(?:me|us|(?:my|our|your)(?: own)? (?:vehicle|car))(?![\w-]))"
 )
 _EGO = (
     rf"{_ANY_EGO}(?!['’]s|[- ](?:vehicle|car|motorcycle|driver)['’]s"

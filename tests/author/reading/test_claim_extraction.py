@@ -237,6 +237,22 @@ def test_a_statement_about_what_the_ego_passed_is_about_that_by_any_name_of_the_
     assert claims == {"child thing present", "child motion stationary"}
 
 
+EGOS = (
+    *("the ego vehicle", "the hero vehicle", "the subject vehicle", "the vehicle under test"),
+    *("the automated car", "the self-driving vehicle", "our own vehicle", "our car", "my car"),
+    *("your vehicle", "us", "me"),
+)
+ABOUT_EGO = (
+    *("A deer stands behind {}.", "A pedestrian walks right behind {}.", "A cow lies ahead of {}."),
+    *("A van is parked in front of {}.", "A horse runs at {}.", "In front of {}, a box falls."),
+)
+
+
+@given(st.sampled_from(ABOUT_EGO), st.sampled_from(EGOS))
+def test_any_name_of_the_ego_is_read_as_the_ego(text, ego):
+    assert told(text.format(ego)) == told(text.format("ego"))
+
+
 @pytest.mark.parametrize("clock", ["11:02 a.m.", "1:10 p.m.", "9.03 a.m."])
 def test_an_hour_does_not_start_in_its_minutes(clock):
     assert "time night" not in told(f"At {clock} a box lies in the lane.")
