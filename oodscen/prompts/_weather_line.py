@@ -2,7 +2,7 @@
 
 import re
 from dataclasses import dataclass
-from typing import Self, assert_never
+from typing import Self
 
 from oodscen._words.decimals import exact
 from oodscen.data._additions import DENSE_FOG_M, ICE
@@ -57,24 +57,16 @@ class WeatherLimits:
             others=tuple(others.split(", ")) if others else (),
         )
 
-    def offers(self, need: str) -> bool:
+    def offers(self, name: str) -> bool:
         """Return whether a kind of weather can be shown, whether or not it has a scale in a scene."""
-        return self._shows(need) if is_weather_kind(need) else need in self.others
-
-    def _shows(self, kind: WeatherKind) -> bool:
-        match kind:
-            case "night":
-                return self.night
-            case "fog":
-                return self.fog_m <= DENSE_FOG_M
-            case "rain":
-                return self.rain
-            case "snow":
-                return self.snow
-            case "ice":
-                return self.friction <= ICE
-            case _:
-                assert_never(kind)
+        kinds: dict[WeatherKind, bool] = {
+            "night": self.night,
+            "fog": self.fog_m <= DENSE_FOG_M,
+            "rain": self.rain,
+            "snow": self.snow,
+            "ice": self.friction <= ICE,
+        }
+        return kinds[name] if is_weather_kind(name) else name in self.others
 
 
 def weather_line(catalogue: Catalogue) -> str:

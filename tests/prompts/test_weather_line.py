@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.data._catalogue import WeatherRange
-from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG
+from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG, WEATHER_KINDS
 from oodscen.prompts._weather_line import WeatherLimits, weather_line
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 
@@ -48,7 +48,7 @@ def test_every_limit_is_read_back(sun, fog, intensity, friction, kinds, is_drawn
 
 def test_a_need_is_offered_if_a_limit_or_a_name_has_it():
     bare = limits(min_sun_elevation_deg=5.0)
-    assert not any(map(bare.offers, ("night", "fog", "rain", "snow", "ice", "dust")))
+    assert not any(map(bare.offers, (*WEATHER_KINDS, "dust")))
     every = limits(
         min_sun_elevation_deg=-90.0,
         min_fog_visual_range_m=30.0,
@@ -56,7 +56,7 @@ def test_a_need_is_offered_if_a_limit_or_a_name_has_it():
         min_friction=0.1,
         others=("dust",),
     )
-    assert all(map(every.offers, ("night", "fog", "rain", "snow", "ice", "dust")))
+    assert all(map(every.offers, (*WEATHER_KINDS, "dust")))
     assert not every.offers("wind")
 
 
