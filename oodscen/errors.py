@@ -38,6 +38,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from oodscen._display import cut
+from oodscen._words.text import first_few
 
 if TYPE_CHECKING:
     from oodscen.protocols import Usage
@@ -388,7 +389,7 @@ class FolderTaken(UsageError):
         self.folder = folder
         self.names = tuple(names)
         super().__init__(
-            f"{folder} holds {', '.join(self.names)} already; nothing is overwritten: choose another "
+            f"{folder} holds {first_few(self.names)} already; nothing is overwritten: choose another "
             "folder, or move these files away"
         )
 

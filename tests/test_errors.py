@@ -118,6 +118,12 @@ FACTS = {
 }
 
 
+def test_a_folder_taken_by_many_files_says_that_there_are_more():
+    error = errors.FolderTaken("out", "abcdefg")
+    assert "a, b, c, d, e, ... already" in str(error)
+    assert error.names == tuple("abcdefg")
+
+
 def test_there_is_an_example_of_every_error():
     kinds = {
         kind

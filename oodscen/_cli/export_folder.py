@@ -114,7 +114,7 @@ def claim_folder(out: Path, scenes: Sequence[Scene], catalogue: Catalogue, form:
                 taken.add(name)
             names.add(name)
     if taken:
-        raise FolderTaken(str(out), sorted(taken)[:5])
+        raise FolderTaken(str(out), sorted(taken))
     _write_list(out, listed | names)
 
 

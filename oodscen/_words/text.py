@@ -4,7 +4,7 @@ import os
 import re
 import sys
 import unicodedata
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 
 CHARACTERS_PER_TOKEN = 4
@@ -82,6 +82,12 @@ def printable(text: str) -> str:
 def one_line(text: str) -> str:
     """Return the text on one line: runs of white space become single spaces, and the ends are stripped."""
     return " ".join(text.split())
+
+
+def first_few(names: Sequence[str]) -> str:
+    """Return the first five names with commas between them, and an ellipsis for the rest."""
+    listed = ", ".join(names[:5])
+    return f"{listed}, ..." if len(names) > 5 else listed
 
 
 def is_visible(text: str) -> bool:

@@ -18,9 +18,6 @@ SUMS = "SHA256SUMS"
 CARD = "README.md"
 """The card, which people complete by hand."""
 
-_MAX_NAMED = 5
-"""Number of foreign files that an error names."""
-
 _PART = ".oodscen-part"
 """Folder, inside that of the data set, in which the new one is written."""
 
@@ -55,7 +52,7 @@ def replacing(folder: Path) -> Iterator[Path]:
             earlier = _earlier(folder)
             if others := set(names(folder)) - earlier:
                 foreign_first = sorted(others, key=lambda name: (_is_name_of_data_set(name), name))
-                raise FolderTaken(str(folder), foreign_first[:_MAX_NAMED])
+                raise FolderTaken(str(folder), foreign_first)
             shutil.rmtree(part, ignore_errors=True)
             part.mkdir()
             try:

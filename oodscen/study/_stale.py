@@ -3,6 +3,7 @@
 from collections.abc import Container, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from oodscen._words.text import first_few
 from oodscen.data._base import digest
 from oodscen.data._episode import Episode
 from oodscen.data._pairing import scene_of
@@ -14,9 +15,6 @@ from oodscen.study._staging import text_digest
 
 if TYPE_CHECKING:
     from oodscen.study._study import Study
-
-_SHOWN = 5
-"""Scenes that are named."""
 
 
 def stale_scenes(
@@ -95,9 +93,8 @@ def in_words(stale: list[str]) -> str:
     subject, pronoun = "1 scene, or its text, has", "it was"
     if len(stale) > 1:
         subject, pronoun = f"{len(stale)} scenes, or their texts, have", "they were"
-    more = ", ..." if len(stale) > _SHOWN else ""
     return (
-        f"{subject} changed or been removed since {pronoun} run: {', '.join(stale[:_SHOWN])}{more}; "
+        f"{subject} changed or been removed since {pronoun} run: {first_few(stale)}; "
         "the same `oodscen run OUT` makes their episodes again"
     )
 

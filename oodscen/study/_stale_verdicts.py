@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
-from oodscen._words.text import one_line
+from oodscen._words.text import first_few, one_line
 from oodscen.data._base import digest
 from oodscen.data._episode import ACTIONS, Episode
 from oodscen.data._pairing import scene_of
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 OPINIONS = "opinions.jsonl"
 """File with one line per judge model and distinct pair of open aspect and path that it was asked about."""
 
-_SHOWN = 5
-"""Answerers that are named."""
 _SCORES = ("success", "action_is_safe", "choice_is_right", "thing_is_right", "aspect_is_right")
 _ENDED = ("answered", "unavailable")
 """Outcomes of a drive of which every question was answered."""
@@ -208,13 +206,10 @@ class Tables(NamedTuple):
 def stale_in_words(stale: Sequence[Verdict]) -> str:
     """Return the sentence about verdicts that do not belong to the drives of a study."""
     models_first = sorted(stale, key=lambda verdict: verdict.kind != "model")
-    names = list(dict.fromkeys(verdict.model for verdict in models_first))
-    listed = ", ".join(map(one_line, names[:_SHOWN]))
-    if len(names) > _SHOWN:
-        listed += ", ..."
-    subject, were, again = f"1 verdict ({listed}) does", "it was", "it"
+    answerers = first_few(list(dict.fromkeys(one_line(verdict.model) for verdict in models_first)))
+    subject, were, again = f"1 verdict ({answerers}) does", "it was", "it"
     if len(stale) > 1:
-        subject, were, again = f"{len(stale)} verdicts ({listed}) do", "they were", "them"
+        subject, were, again = f"{len(stale)} verdicts ({answerers}) do", "they were", "them"
     return (
         f"{subject} not belong to the drives of this study: {were} made from others, or edited; the same "
         f"`oodscen run OUT` makes {again} again"

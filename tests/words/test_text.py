@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from oodscen._words.text import (
     clean_surrogates,
+    first_few,
     inflection_stem,
     is_visible,
     one_line,
@@ -53,6 +54,12 @@ def test_what_shows_nothing_is_not_visible(text):
 def test_a_line_has_the_words_and_nothing_else(text):
     assert one_line(text).split(" ") == (text.split() or [""])
     assert one_line(one_line(text)) == one_line(text)
+
+
+def test_five_names_are_all_of_them_and_more_are_not_hidden():
+    assert first_few([]) == ""
+    assert first_few("abcde") == "a, b, c, d, e"
+    assert first_few("abcdef") == "a, b, c, d, e, ..."
 
 
 @pytest.mark.parametrize(
