@@ -121,8 +121,12 @@ def _quiet(record: logging.LogRecord) -> bool:
 
 
 def _redacted(record: logging.LogRecord) -> bool:
-    """Redact a log line."""
-    record.msg, record.args = printable(redact(record.getMessage())), ()
+    """Redact a log line; of one whose arguments do not fit, keep the format, as an error here would fail the call."""
+    try:
+        line = record.getMessage()
+    except Exception:
+        line = repr(record.msg)
+    record.msg, record.args = printable(redact(line)), ()
     record.exc_info = record.exc_text = None
     return True
 

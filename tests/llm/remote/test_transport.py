@@ -213,3 +213,8 @@ def test_what_a_server_sends_is_not_logged(monkeypatch, capfd, reason):
     assert "outside of a call" in logged
     assert "sk-echoed" not in logged.replace("\n", "")
     assert "\x1b[31m" not in logged
+
+
+def test_a_log_line_that_cannot_be_put_together_fails_no_call(caplog):
+    logging.getLogger("openai").warning("%s and %s", "one")
+    assert "%s and %s" in caplog.text
