@@ -12,6 +12,7 @@ from oodscen._seeding import stream
 from oodscen.data._episode import ACTIONS
 from oodscen.data._verdict import NOTHING
 from oodscen.errors import LLMError, UnknownComponent
+from oodscen.judging._questions import NOTHING_UNUSUAL
 from oodscen.judging._references import Answers, Case
 from oodscen.prompts._judging.choose_action import ChooseAction
 from oodscen.prompts._judging.choose_aspect import ChooseAspect
@@ -59,6 +60,8 @@ class _Sightless(Brief):
 class ConstantAnswerer(_Sightless):
     """Always calls the scene OOD, names the same aspect and chooses the same action.
 
+    Of the listed kinds it chooses the alphabetically first, which does not depend on the order of the list.
+
     Args:
         action: One of `oodscen.data._episode.ACTIONS`.
         seed: Ignored; accepted because every registered model takes one.
@@ -76,10 +79,7 @@ class ConstantAnswerer(_Sightless):
         self.action = action
 
     def judge(self, case: Case) -> Answers:
-        """Answer both tasks about one case without looking.
-
-        The choice is the alphabetically first id, which does not depend on the order of the list.
-        """
+        """Answer both tasks about one case without looking."""
         listed = (option.id for option in case.options if option.id != NOTHING)
         return Answers(
             is_ood=True, aspect=ASPECT, choice=min(listed, default=None), action=self.action
@@ -87,7 +87,9 @@ class ConstantAnswerer(_Sightless):
 
     def _answer(self, prompt: _Question, sample: int) -> dict[str, Any]:
         if isinstance(prompt, ChooseAspect):
-            return {"choice": prompt.labels.index(min(prompt.labels)) + 1}
+            nothing = NOTHING_UNUSUAL.label
+            listed = (label for label in prompt.labels if label != nothing)
+            return {"choice": prompt.labels.index(min(listed, default=nothing)) + 1}
         if isinstance(prompt, NameAspect):
             return {"is_ood": True, "aspect": ASPECT}
         if isinstance(prompt, NameOodAspect):

@@ -8,6 +8,7 @@ from oodscen.data._episode import ACTIONS
 from oodscen.data._messages import Image
 from oodscen.errors import LLMError, UnknownComponent
 from oodscen.judging._constant_answerers import ASPECT, ConstantAnswerer, RandomAnswerer
+from oodscen.judging._questions import NOTHING_UNUSUAL
 from oodscen.llm._ask import ask
 from oodscen.prompts._judging.choose_action import ActionOption, ChooseAction
 from oodscen.prompts._judging.choose_aspect import ChooseAspect
@@ -57,6 +58,13 @@ def test_a_constant_never_changes_its_mind(name):
     assert {action(llm, scene, sample) for scene in "abc" for sample in range(3)} == {name}
     assert aspect(llm).is_ood
     assert aspect(llm).aspect == ASPECT
+
+
+@pytest.mark.parametrize("labels", [("Zebra", NOTHING_UNUSUAL.label, "Parade"), ("Zebra",)])
+def test_a_constant_calls_every_scene_ood(labels):
+    prompt = ChooseAspect(frames=frames("x-001"), labels=labels)
+    chosen = labels[ask(ConstantAnswerer(), prompt).choice - 1]
+    assert chosen == min(set(labels) - {NOTHING_UNUSUAL.label})
 
 
 def test_an_unknown_action_comes_with_close_matches():
