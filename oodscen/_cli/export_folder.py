@@ -23,9 +23,11 @@ _HEAD = "Files of oodscen export. Another export replaces those that are listed,
 _SUFFIXES = {
     "openscenario": ("xosc", "logical.xosc", "deterministic.xosc", "stochastic.xosc"),
     "openlabel": ("json",),
+    "osi": ("osi",),
+    "mcap": ("mcap",),
     "rerun": ("rrd",),
 }
-"""Suffixes of the files of a scene; of other formats the suffix is the format's name."""
+"""Suffixes of the files of a scene: of the scene itself, then of its ranges."""
 
 
 @dataclass(frozen=True)
@@ -53,17 +55,19 @@ def refuse_clashes(scenes: Sequence[Scene], facts: KnownFacts, options: ExportOp
         UsageError: If two files would have one name; the message names both drives.
     """
     owners: dict[str, str] = {}
-    first, *logical = _SUFFIXES.get(options.form, (options.form,))
+    suffix, *logical = _SUFFIXES[options.form]
     for scene in scenes:
         drives = [(scene.id, f"the scene {scene.id!r}")]
         drives += [(demand.id, f"the demand {demand.id!r}") for demand in facts.demands_of(scene)]
         if options.twins and not scene.is_ordinary:
             drives.append((twin_id(scene.id), f"the twin of the scene {scene.id!r}"))
-        files = [(f"{name}.{first}", owner) for name, owner in drives]
+        files = [(f"{name}.{suffix}", owner) for name, owner in drives]
         if options.logical:
-            ranges = [drive for drive in drives if not is_ordinary(drive[0])]
             files += [
-                (f"{name}.{end}", f"the ranges of {of}") for name, of in ranges for end in logical
+                (f"{name}.{end}", f"the ranges of {owner}")
+                for name, owner in drives
+                if not is_ordinary(name)
+                for end in logical
             ]
         for file, owner in files:
             if file in owners:
@@ -71,7 +75,7 @@ def refuse_clashes(scenes: Sequence[Scene], facts: KnownFacts, options: ExportOp
             owners[file] = owner
 
 
-def require_extra(form: str) -> None:
+def require_extra(form: Format) -> None:
     """Refuse a format whose package is missing.
 
     Raises:
@@ -87,7 +91,7 @@ def require_extra(form: str) -> None:
         rerun_library()
 
 
-def claim_folder(out: Path, scenes: Sequence[Scene], catalogue: Catalogue, form: str) -> None:
+def claim_folder(out: Path, scenes: Sequence[Scene], catalogue: Catalogue, form: Format) -> None:
     """List the files that an export may write, before it writes them.
 
     Args:
@@ -103,7 +107,7 @@ def claim_folder(out: Path, scenes: Sequence[Scene], catalogue: Catalogue, form:
         f"{name}.{suffix}"
         for scene in scenes
         for name in (scene.id, twin_id(scene.id), demand_id(scene.id))
-        for suffix in _SUFFIXES.get(form, (form,))
+        for suffix in _SUFFIXES[form]
     }
     listed = _listed(out)
     there = {path.name for path in out.iterdir()}
