@@ -20,6 +20,7 @@ from oodscen.judging._aspects.opinions import (
 )
 from oodscen.llm._circuit_breaker import CircuitBreakerLLM
 from oodscen.llm._remote.rate_limit import JUDGING
+from oodscen.protocols import LLM
 from oodscen.study._stale_verdicts import OPINIONS
 
 Question = tuple[str, tuple[str, ...], tuple[Visible, ...]]
@@ -47,22 +48,7 @@ def judge_aspects(
         label = judge_label(judge)
         questions = [(verdict.aspect, *truth(verdict)) for verdict in verdicts if is_open(verdict)]
         questions += [(example.answer, example.path, ()) for example in labelled_answers()]
-        items = {opinion_id(label, *question): question for question in questions}
-        threads = run.models.threads(run.config.judge)
-
-        def work(todo: Mapping[str, Question]) -> Iterator[Opinion]:
-            with run.models.limits.lenient(JUDGING):
-                for _, answer in as_finished(
-                    lambda question: ask_opinion(judge, *question),
-                    todo.values(),
-                    threads=threads,
-                    cancel=run.cancel,
-                ):
-                    yield answer
-
-        others = _of_other_judges(run, label, questions)
-        rows = run.each("judge", OPINIONS, items, work, others=others)
-        opinions = {row["id"]: Opinion.parse(row) for row in rows}
+        opinions = _opinions(run, judge, questions, run.models.threads(run.config.judge))
     scored = []
     for verdict in verdicts:
         path, visible = truth(verdict)
@@ -70,12 +56,34 @@ def judge_aspects(
     return scored
 
 
+def _opinions(
+    run: Context, judge: LLM, questions: Sequence[Question], threads: int
+) -> dict[str, Opinion]:
+    """Return the judge's opinions by id; it is asked for those that the study does not hold."""
+    label = judge_label(judge)
+
+    def work(todo: Mapping[str, Question]) -> Iterator[Opinion]:
+        with run.models.limits.lenient(JUDGING):
+            for _, opinion in as_finished(
+                lambda question: ask_opinion(judge, *question),
+                todo.values(),
+                threads=threads,
+                cancel=run.cancel,
+            ):
+                yield opinion
+
+    items = {opinion_id(label, *question): question for question in questions}
+    others = _of_other_judges(run, label, questions)
+    rows = run.each("judge", OPINIONS, items, work, others=others)
+    return {row["id"]: Opinion.parse(row) for row in rows}
+
+
 def _of_other_judges(
     run: Context, label: str, questions: Iterable[Question]
 ) -> list[dict[str, Any]]:
     """Return the lines of other judges about these questions, which they need not be asked again."""
-    lines = [line for line in run.store.lines(OPINIONS) if line.get("judge") != label]
-    judges = {str(line.get("judge")) for line in lines}
+    lines = [line for line in run.store.lines(OPINIONS) if line["judge"] != label]
+    judges = {line["judge"] for line in lines}
     current = {opinion_id(judge, *question) for question in questions for judge in judges}
     return sorted(
         (line for line in lines if line["id"] in current),
