@@ -2,12 +2,13 @@
 
 import math
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
 from oodscen.numerics import _exact as exact
 from oodscen.protocols import Camera
-from oodscen_pybullet._types import F32, Point
+from oodscen_pybullet._types import F32, Heading, Point, Pose
 
 _DEGREE = math.radians(1.0)
 NEAR_M = 0.2
@@ -28,20 +29,18 @@ class CameraView:
     right: Point
     up: Point
     forward: Point
-    heading: tuple[float, float]
-    """Level direction ahead, of length 1; the top of the picture if the camera looks straight down."""
+    heading: Heading
+    """Level direction ahead; the top of the picture if the camera looks straight down."""
     is_lit: bool = True
     """True if the ego's headlamps light what the camera sees: it is on the ego and looks forward."""
 
     @classmethod
-    def of(
-        cls, camera: Camera, pose: tuple[float, float, float, float], roll_deg: float = 0.0
-    ) -> "CameraView":
+    def of(cls, camera: Camera, pose: Pose, roll_deg: float = 0.0) -> Self:
         """Mount a camera on a vehicle, given the centre of its footprint and its yaw.
 
         Args:
             camera: The camera, relative to the vehicle.
-            pose: x, y, z and yaw of the vehicle.
+            pose: Pose of the vehicle.
             roll_deg: Roll of the camera, degrees, clockwise.
         """
         x, y, z, yaw = pose
@@ -108,8 +107,7 @@ class CameraView:
 
     def to_level(self, point: Point) -> tuple[float, float]:
         """Return a world point in level metres to the right and ahead of the camera, however it is tilted."""
-        dx, dy = point[0] - self.eye[0], point[1] - self.eye[1]
-        return self.level(dx, dy)
+        return self.level(point[0] - self.eye[0], point[1] - self.eye[1])
 
     def level(self, x: float, y: float) -> tuple[float, float]:
         """Return the parts of a direction in the world to the level right and ahead of the camera."""
