@@ -78,16 +78,14 @@ class VerdictRule:
 
     def is_possible(self, verdict: Verdict) -> bool:
         """Return whether a verdict holds answers that can have been given about its drive."""
+        is_ok = verdict.status == "ok"
+        if is_ok != (verdict.outcome in _ENDED):
+            return False
+        if is_ok and (verdict.is_ood is None or verdict.action is None):
+            return False
         episode = self._shown.get((verdict.protocol, verdict.scene_id))
-        has_all = verdict.is_ood is not None and verdict.action is not None
-        if (verdict.status == "ok") != (verdict.outcome in _ENDED):
-            return False
-        if verdict.status == "ok" and not has_all:
-            return False
         if episode is None or not is_shown(episode):
-            return verdict.status == "failed" and all(
-                getattr(verdict, name) is None for name in _SCORES
-            )
+            return not is_ok and all(getattr(verdict, name) is None for name in _SCORES)
         if verdict.choice is not None:
             options = self.keys.of(episode, verdict.protocol).options
             if verdict.choice not in {option.id for option in options}:
