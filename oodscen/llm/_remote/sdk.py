@@ -158,7 +158,7 @@ def resolve_model(sdk: ModuleType, model: str, api_base: str | None) -> tuple[st
     return model, provider, address
 
 
-def credential_settings(sdk: Any) -> dict[str, Any]:
+def credential_settings(sdk: ModuleType) -> dict[str, Any]:
     """Return the settings of litellm that can hold a user's credentials."""
     texts = {name: value for name, value in vars(sdk).items() if isinstance(value, str)}
     return texts | {"headers": sdk.headers or {}}
