@@ -100,7 +100,9 @@ def _mesh_of(
 ) -> Mesh | None:
     """Return what shows a signal, `None` if no asset does."""
     if signal.kind == "traffic_light":
-        state = fault if fault in _FAULTY_STATES else _state_of(site, signal)
+        is_along = abs(site.ground.corridor.alignment(signal.s, signal.yaw)) > _ALONG
+        ordinary = "green" if is_along else "red"
+        state = fault if fault in _FAULTY_STATES else ordinary
         light = asset_mesh("traffic_light", state, frame=int(is_dark_phase))
         return on_posts(light, Tag.TRAFFIC_LIGHT)
     asset = _SIGNS.get(signal.type)
@@ -143,12 +145,3 @@ def replaced_signals(
             for x, y in positions
         )
     )
-
-
-def _state_of(site: Site, signal: RoadSignal) -> str:
-    """Return "green" for lights on the ego's road, otherwise "red"."""
-    road = site.ground.corridor
-    s = min(max(signal.s, 0.0), road.length)
-    index = int(s / road.step + 0.5)
-    along = cos(signal.yaw) * float(road.cos[index]) + sin(signal.yaw) * float(road.sin[index])
-    return "green" if abs(along) > _ALONG else "red"
