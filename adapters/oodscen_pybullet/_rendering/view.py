@@ -115,7 +115,7 @@ class CameraView:
         return x * sin - y * cos, x * cos + y * sin
 
     def pixel(self, point: Point) -> tuple[float, float, float] | None:
-        """Return column, row and depth of a world point, or `None` if it is behind the camera."""
+        """Return column, row and depth of a world point, or `None` if it is not beyond the near plane."""
         across, upwards, ahead = self.to_camera(point)
         if ahead < NEAR_M:
             return None
