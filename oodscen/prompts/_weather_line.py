@@ -19,7 +19,8 @@ _NADIR_DEG = -90.0
 class WeatherLimits:
     """The contents of a digest's line on the weather."""
 
-    night: bool
+    sun_deg: float
+    """Lowest elevation of the sun, degrees."""
     fog_m: float
     """Least visual range, m."""
     rain: bool
@@ -28,8 +29,6 @@ class WeatherLimits:
     """Greatest precipitation intensity, mm/h."""
     friction: float
     """Least friction."""
-    sun_deg: float = _NADIR_DEG
-    """Lowest elevation of the sun, degrees."""
     sun_is_drawn: bool = True
     """False if every sun looks alike."""
     others: tuple[str, ...] = ()
@@ -46,13 +45,12 @@ class WeatherLimits:
             return float(match[1]) if match else default
 
         return cls(
-            night=scaled.startswith("night"),
+            sun_deg=number("sun at", _NADIR_DEG if scaled.startswith("night") else 0.0),
             fog_m=number("fog down to", CLEAR_AIR_M),
             rain=re.search(r"\brain\b", scaled) is not None,
             snow=re.search(r"\bsnow\b", scaled) is not None,
             intensity=number("up to", 0.0),
             friction=number("friction down to", 1.0),
-            sun_deg=number("sun at", _NADIR_DEG),
             sun_is_drawn="every sun looks alike" not in scaled,
             others=tuple(others.split(", ")) if others else (),
         )
@@ -60,7 +58,7 @@ class WeatherLimits:
     def offers(self, name: str) -> bool:
         """Return whether a kind of weather can be shown, whether or not it has a scale in a scene."""
         kinds: dict[WeatherKind, bool] = {
-            "night": self.night,
+            "night": self.sun_deg < DUSK_DEG,
             "fog": self.fog_m <= DENSE_FOG_M,
             "rain": self.rain,
             "snow": self.snow,

@@ -77,11 +77,11 @@ def test_an_unknown_branch_is_not_claimed(
 def test_the_line_on_the_weather_is_read(digest: CatalogueDigest) -> None:
     assert WeatherLimits.of(
         "night; fog down to 30 m visual range; rain and snow up to 60 mm/h; road friction down to 0.15"
-    ) == WeatherLimits(True, 30.0, True, True, 60.0, 0.15)
+    ) == WeatherLimits(-90.0, 30.0, True, True, 60.0, 0.15)
     assert WeatherLimits.of("no night; no fog; no precipitation; road friction down to 1") == (
-        WeatherLimits(False, 10_000.0, False, False, 0.0, 1.0)
+        WeatherLimits(0.0, 10_000.0, False, False, 0.0, 1.0)
     )
-    assert WeatherLimits.of(digest.weather).night
+    assert WeatherLimits.of(digest.weather).offers("night")
 
 
 def test_a_map_without_the_landmark_is_named(

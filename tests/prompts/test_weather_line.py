@@ -34,7 +34,6 @@ def test_every_limit_is_read_back(sun, fog, intensity, friction, kinds, is_drawn
         others=tuple(others),
     )
     assert read == WeatherLimits(
-        night=sun < DUSK_DEG,
         fog_m=fog if fog < 5_000.0 else CLEAR_AIR_M,
         rain="rain" in kinds,
         snow="snow" in kinds,
@@ -63,5 +62,5 @@ def test_a_need_is_offered_if_a_limit_or_a_name_has_it():
 def test_clear_air_and_dusk_end_at_their_borders():
     assert limits(min_fog_visual_range_m=4_999.0).fog_m == 4_999.0
     assert limits(min_fog_visual_range_m=5_000.0).fog_m == CLEAR_AIR_M
-    assert not limits(min_sun_elevation_deg=DUSK_DEG).night
+    assert not limits(min_sun_elevation_deg=DUSK_DEG).offers("night")
     assert WeatherLimits.of("no night; no fog; no precipitation").friction == 1.0

@@ -114,15 +114,12 @@ def _drawn(layer: Mapping[str, Any], rng: np.random.Generator) -> dict[str, Any]
 def _within_limits(fields: dict[str, Any], limits: WeatherLimits) -> Weather:
     """Limit weather to what the simulator can show."""
     limited = dict(fields)
-    kinds = {"rain": limits.rain, "snow": limits.snow, "none": True}
-    kind = str(limited.get("precipitation", "none"))
-    if kind == "none" or not kinds[kind]:
+    if not limits.offers(limited.get("precipitation", "none")):
         limited.update(_DRY)
     if limited.get("precipitation_mm_h"):
         limited["precipitation_mm_h"] = min(limited["precipitation_mm_h"], limits.intensity)
     if "fog_visual_range_m" in limited:
         limited["fog_visual_range_m"] = max(limited["fog_visual_range_m"], limits.fog_m)
     limited["friction"] = max(limited.get("friction", 1.0), limits.friction)
-    lowest = limits.sun_deg if limits.night else max(limits.sun_deg, 0.0)
-    limited["sun_elevation_deg"] = max(limited.get("sun_elevation_deg", 45.0), lowest)
+    limited["sun_elevation_deg"] = max(limited.get("sun_elevation_deg", 45.0), limits.sun_deg)
     return Weather.model_validate(limited)

@@ -192,6 +192,16 @@ def test_the_weather_is_one_that_the_simulator_shows(
     assert not check_scene(scene_of(draft), dim)
 
 
+def test_twilight_needs_no_simulator_that_shows_the_night(
+    author: BuiltinAuthor, ask, catalogue: Catalogue
+) -> None:
+    weather = WeatherRange(min_sun_elevation_deg=-4.0)
+    dusky = CatalogueDigest.of(catalogue.model_copy(update={"weather": weather}))
+    text = "Ego drives on a two-lane residential road at twilight. A large cardboard box lies in its lane."
+    draft = ask(author, StageScene(text=text, path=(), catalogue=dusky))
+    assert -4.0 <= draft.weather.sun_elevation_deg < 0.0
+
+
 def test_weather_as_hazard_has_an_ordinary_counterpart(
     author: BuiltinAuthor, ask, knowledge: Knowledge, digest: CatalogueDigest
 ) -> None:
