@@ -56,26 +56,28 @@ def load_litellm() -> ModuleType:
         except ImportError:
             raise MissingExtra("language models through litellm", "llm", "litellm") from None
         except Exception as error:
-            message = f"litellm cannot be loaded: {reason(error)}"
-            if isinstance(error, OSError):
-                message += (
-                    "; it needs a temporary folder that it can write, such as TMPDIR may name"
-                )
-            raise UsageError(message) from None
+            remedy = "; it needs a temporary folder that it can write, such as TMPDIR may name"
+            hint = remedy if isinstance(error, OSError) else ""
+            raise UsageError(f"litellm cannot be loaded: {reason(error)}{hint}") from None
         litellm.suppress_debug_info = True
         litellm.telemetry = False
-        for name in _LOGGERS:
-            logging.getLogger(name).addFilter(_quiet)
-        # A logger's filter does not see what the loggers below it write.
-        for name in list(logging.root.manager.loggerDict):
-            if name.partition(".")[0] in _CLIENTS:
-                logging.getLogger(name).addFilter(_redacted)
+        _filter_logs()
         install(http_handler, common_utils)
         # litellm keeps one client that it made on import.
         if (handler := getattr(litellm, "module_level_client", None)) is not None:
             guard(handler.client)
         module: ModuleType = litellm
         return module
+
+
+def _filter_logs() -> None:
+    """Keep credentials, and what could steer a terminal, out of the logs of litellm and its clients."""
+    for name in _LOGGERS:
+        logging.getLogger(name).addFilter(_quiet)
+    # A logger's filter does not see what the loggers below it write.
+    for name in list(logging.root.manager.loggerDict):
+        if name.partition(".")[0] in _CLIENTS:
+            logging.getLogger(name).addFilter(_redacted)
 
 
 def _network_settings() -> Iterator[tuple[str, str]]:
