@@ -1,13 +1,20 @@
 """Requirements on driving stacks, in the grammar and with the test of those on models."""
 
 from collections.abc import Callable, Iterable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import scene_of
 from oodscen.data._scenario import Scenario
-from oodscen.judging._drive_board import drives_and_passes, is_critical, path_of, paths_of
+from oodscen.judging._drive_board import (
+    HARDLY_DRIVES,
+    drives_and_passes,
+    is_critical,
+    path_of,
+    paths_of,
+)
 from oodscen.judging._items import Floats, Mask, last_by
 from oodscen.judging._leaderboard.requirements import (
     ALPHA,
@@ -25,6 +32,23 @@ DRIVE_FIGURES = {
     "critical": "scenes with a collision, or a time to collision below 1.5 s",
 }
 """Figures of a driving stack on which a bar can be put."""
+
+
+class _Figure(NamedTuple):
+    """A figure to which each drive adds a value of its own; `safe-both` is none, as it needs two drives."""
+
+    is_of_twins: bool
+    value_of: Callable[[DriveResult], bool | None]
+    miss: bool
+    """The value that counts against a stack."""
+
+
+_FIGURES = {
+    "safe": _Figure(False, lambda drive: drive.passed, miss=False),
+    "safe-twin": _Figure(True, lambda drive: drive.passed, miss=False),
+    "needless": _Figure(True, lambda drive: drive.brakes_needlessly, miss=True),
+    "critical": _Figure(False, is_critical, miss=True),
+}
 
 
 def drive_requirements(
@@ -55,11 +79,28 @@ def drive_requirements(
     return results
 
 
+def counts_a_miss(drives: Iterable[DriveResult], bars: Sequence[Bar]) -> bool:
+    """Return whether a bar counts one of a test's drives as a miss; none does if the stack failed in one of them."""
+    drives = list(drives)
+    if any(drive.status == "failed" for drive in drives):
+        return False
+    return any(
+        _is_miss(drive, bar.figure) for drive in drives for bar in bars if drive.status == "ok"
+    )
+
+
+def _is_miss(drive: DriveResult, name: str) -> bool:
+    if name == "safe-both":
+        return not drive.passed or (drive.is_twin and drive.progress < HARDLY_DRIVES)
+    figure = _FIGURES[name]
+    return drive.is_twin == figure.is_of_twins and figure.value_of(drive) == figure.miss
+
+
 def _columns(figure: str, drives: Sequence[DriveResult]) -> tuple[Floats, Mask]:
     """Return the [n] values of a figure, NaN if there is none, and the [n] drives that lack theirs."""
     if figure == "safe-both":
         return _paired_columns(drives)
-    is_of_twins, value_of = _SIMPLE_FIGURES[figure]
+    is_of_twins, value_of, _ = _FIGURES[figure]
     values = np.full(len(drives), np.nan)
     missing = np.zeros(len(drives), np.bool_)
     for row, drive in enumerate(drives):
@@ -83,12 +124,3 @@ def _paired_columns(drives: Sequence[DriveResult]) -> tuple[Floats, Mask]:
             missing[row] = drive.scene_id not in passes
             values[row] = passes.get(drive.scene_id, np.nan)
     return values, missing
-
-
-_SIMPLE_FIGURES: dict[str, tuple[bool, Callable[[DriveResult], bool | None]]] = {
-    "safe": (False, lambda drive: drive.passed),
-    "safe-twin": (True, lambda drive: drive.passed),
-    "needless": (True, lambda drive: drive.brakes_needlessly),
-    "critical": (False, is_critical),
-}
-"""By figure: whether it is of the twins, and its value for one of the drives."""

@@ -48,12 +48,12 @@ class StackGrades:
             call: What failed.
             drives: The drives that it may be about.
         """
-        from oodscen.pytest_plugin._counting import is_counted
+        from oodscen.judging._drive_requirements import counts_a_miss
 
         if call.excinfo is None:
             return None
         is_assertion = call.excinfo.errisinstance((AssertionError, pytest.fail.Exception))
-        if is_assertion and is_counted(drives, self._bars):
+        if is_assertion and counts_a_miss(drives, self._bars):
             return "counted by --oodscen-require"
         return None
 
