@@ -20,7 +20,7 @@ from oodscen.judging._leaderboard.standings import outcome_of
 from oodscen.report import _phrasing as words
 from oodscen.report._charts.canvas import signed
 from oodscen.report._charts.frames import picture
-from oodscen.report._load import Material, by_key, number
+from oodscen.report._load import Material, number
 
 _STAGES = {"scenarios": "text", "scenes": "staging", "episodes": "simulation"}
 _LONGEST = 4_000
@@ -63,10 +63,10 @@ class _Gallery:
 
     def __init__(self, material: Material, folder: Path) -> None:
         self._folder = folder
-        self._scenarios = by_key(material.scenarios, lambda row: row.id)
-        self._scenes = by_key(material.scenes, lambda row: row.id)
-        self._demands = by_key(material.demands, lambda row: row.id)
-        self._episodes = by_key(material.episodes, lambda row: row.scene_id)
+        self._scenarios = {row.id: row for row in material.scenarios}
+        self._scenes = {row.id: row for row in material.scenes}
+        self._demands = {row.id: row for row in material.demands}
+        self._episodes = {row.scene_id: row for row in material.episodes}
         self._failed = {
             failure.id: f"{_STAGES[failure.stage]} failed: {failure.error}"
             for failure in material.failures

@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from oodscen._io.study_files import CATALOGUES
-from oodscen.report._load import Material, make_printable
+from oodscen.report._load import Material
+from oodscen.report._tolerant_reader import make_printable
 from oodscen.stages._prune.side_by_side import CatalogueComparison, CatalogueTally, Side
 from oodscen.study._study import Study
 

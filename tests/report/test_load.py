@@ -6,21 +6,13 @@ from hypothesis import strategies as st
 
 from oodscen import Study
 from oodscen.metrics._rarity.estimates import Rarity, TextRarity
-from oodscen.report._load import dig, make_printable, number, read
+from oodscen.report._load import dig, number, read
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.floats(allow_nan=False) | st.text(),
     lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner),
     max_leaves=12,
 )
-
-
-@given(st.text(st.characters(codec=None)))
-def test_printable_text_can_be_encoded_and_stays_so(text: str) -> None:
-    once = make_printable(text)
-    once.encode("utf-8")
-    assert make_printable(once) == once
-    assert not any(ord(char) < 32 and char not in "\t\n\r" for char in once)
 
 
 @given(JSON, st.lists(st.text(), max_size=3))
