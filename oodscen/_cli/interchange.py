@@ -124,13 +124,14 @@ def _check_files(files: Sequence[Path], catalogue: Catalogue, *, is_told: bool) 
 def _driver_name(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
     """Return the name of a driver that played, which is not that of one that drives here."""
     from oodscen._entry_points import DRIVERS
+    from oodscen.data._episode import ACTIONS
 
     if value is None:
         return None
     name = value.strip()
     if not name or name != printable(one_line(name)):
         raise click.BadParameter("is empty, or no plain line.", ctx, param)
-    if name.lower() in DRIVERS:
+    if name.lower() in {*DRIVERS, *ACTIONS}:
         raise click.BadParameter(f"{name!r} is a driver of `oodscen drive`.", ctx, param)
     return name
 

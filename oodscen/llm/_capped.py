@@ -30,6 +30,8 @@ class CappedLLM(WrappingLLM):
         if self._price is None:
             self._price = _stated_price(llm, is_needed=limits.budget.caps.cost_usd is not None)
         self._endpoint = limits.endpoint(f"model {llm.name}")
+        self._dearest_usd = 0.0
+        """Cost of the dearest call so far, which may be above the price if the model states costs."""
 
     def complete(self, request: Request) -> Completion:
         """Pass the request on if the caps allow it.
@@ -40,6 +42,7 @@ class CappedLLM(WrappingLLM):
         budget = self.limits.budget
         estimate = Usage(input_tokens=estimate_tokens(request), output_tokens=budget.answer_tokens)
         most = charge(Usage(), request, "", estimate, self._price).spent
+        most = most._replace(cost_usd=max(most.cost_usd, self._dearest_usd))
         self.limits.check()
         with self._endpoint.slot():
             budget.reserve(most)
@@ -50,7 +53,12 @@ class CappedLLM(WrappingLLM):
                 usage, used = charge(completion.usage, request, answer, estimate, self._price)
                 used = used._replace(requests=max(1, completion.requests))
                 answer_tokens = usage.output_tokens
+                self._dearest_usd = max(self._dearest_usd, used.cost_usd)
                 return completion.model_copy(update={"usage": usage})
+            except BaseException as error:
+                used = most._replace(requests=max(1, getattr(error, "requests", 0)))
+                vars(error)["requests"] = used.requests
+                raise
             finally:
                 budget.settle(most, used, answer_tokens)
 
@@ -68,5 +76,5 @@ def _stated_price(llm: LLM, *, is_needed: bool) -> Price | None:
         return None
     raise UsageError(
         f"the cost of the run is capped and {fault}; give it in USD per million tokens of input and output, "
-        f"e.g. --price {name}=0,0"
+        f"e.g. --price {name}=0.5,1.5 (0,0 if it is free)"
     )

@@ -320,7 +320,7 @@ def test_no_run_enters_the_table_for_a_scene_that_has_changed(study, tmp_path):
     assert not (study / "drives.jsonl").exists()
 
 
-@pytest.mark.parametrize("name", ["", "  ", "rule-based", "RSS", "a\nb"])
+@pytest.mark.parametrize("name", ["", "  ", "rule-based", "RSS", "stop", "a\nb"])
 def test_a_driver_that_played_has_a_name_of_its_own(name, study, tmp_path):
     path = tmp_path / "scene.csv"
     path.write_text("")

@@ -145,6 +145,30 @@ def test_a_stated_price_stands_in_for_a_cost_that_is_not_reported(reported_usd, 
     assert limits.budget.spent.cost_usd == pytest.approx(spent_usd)
 
 
+def test_a_call_under_way_costs_what_the_dearest_did():
+    usage = Usage(input_tokens=1, output_tokens=1, cost_usd=0.3)
+    limits = Limits(cost_usd=1, prices={"function": Price(0, 0)})
+    llm = CappedLLM(
+        ScriptedLLM(lambda asked: Completion(text=json.dumps(GOOD), usage=usage)), limits
+    )
+    for sample in range(3):
+        ask(llm, QUESTION, sample)
+    with pytest.raises(BudgetExceeded):
+        ask(llm, QUESTION, 3)
+
+
+@pytest.mark.parametrize("reported", [0, 1, 3])
+def test_a_call_that_fails_counts_the_requests_that_it_reports_and_at_least_one(reported):
+    error = LLMError("down", requests=reported)
+    limits = Limits(requests=9)
+    calls = []
+    llm = LoggedLLM(CappedLLM(ScriptedLLM([error]), limits), calls.append)
+    with pytest.raises(LLMError):
+        ask(llm, QUESTION)
+    expected = max(1, reported)
+    assert (limits.budget.spent.requests, calls[0].requests) == (expected, expected)
+
+
 class Costly:
     """States its price, and how many requests a call took."""
 
