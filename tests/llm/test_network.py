@@ -17,7 +17,7 @@ import pytest
 from oodscen.errors import LLMError, LLMTimeout
 from oodscen.llm._ask import ask
 from oodscen.llm._recording import Recorder
-from oodscen.llm._remote.call_bounds import MAX_HEAD_BYTES, CallBounds, apply_bounds
+from oodscen.llm._remote.call_bounds import MAX_HEAD_BYTES, BoundReached, CallBounds, apply_bounds
 from oodscen.llm._remote.limits import Limits
 from oodscen.llm._remote.litellm import LiteLLM
 from oodscen.llm._remote.offline import OutsideError, enforce, is_offline
@@ -104,7 +104,7 @@ def test_what_comes_before_a_body_has_an_end():
         assert "bytes" in str(refusal(client(rogue)))
     bounds = CallBounds(1.0, 10)
     bounds.note_request("http://x")
-    with pytest.raises(Exception, match="no response"):
+    with pytest.raises(BoundReached, match="1,000,000 bytes"):
         bounds.note_received(MAX_HEAD_BYTES + 1)
 
 

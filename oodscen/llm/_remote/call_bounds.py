@@ -30,7 +30,7 @@ waiting, or the request would have gone to a forbidden address.
 
 
 class BoundReached(Exception):
-    """Raised when a response exceeds its bound; callers never see it, as the client reports `CallBounds.broken`."""
+    """Raised when a response is too large; callers never see it, as the client reports `CallBounds.broken`."""
 
 
 class CallBounds:
@@ -71,7 +71,7 @@ class CallBounds:
         self.broken: Break | None = None
         """The bound that was reached."""
         self.detail = ""
-        """The refused address, or the number of bytes allowed."""
+        """The refused address, or the number of bytes allowed; empty for other bounds."""
         self._is_alive = is_alive
         self._is_closed = is_closed
         self._silent_since = clock()
@@ -87,9 +87,8 @@ class CallBounds:
     @property
     def pace_s(self) -> float:
         """Longest read before `keeps_waiting` is called, in seconds."""
-        return (
-            self.silence_s if self._is_closed is None else min(self.silence_s, INTERRUPTION_CHECK_S)
-        )
+        check_s = math.inf if self._is_closed is None else INTERRUPTION_CHECK_S
+        return min(self.silence_s, check_s)
 
     def stop(self, broken: Break, detail: str = "") -> None:
         """Record the bound that ends the call."""
@@ -112,18 +111,17 @@ class CallBounds:
         """
         self._silent_since = self._clock()
         self._head_bytes += size
-        if self.status is None and self._head_bytes > MAX_HEAD_BYTES:
-            self.stop("size", f"{MAX_HEAD_BYTES:,}")
-            raise BoundReached(f"more than {MAX_HEAD_BYTES:,} bytes and no response")
+        if self.status is None:
+            self._check(self._head_bytes, MAX_HEAD_BYTES)
 
     def seconds_left(self, timeout: float | None) -> float:
         """Return the seconds that the next read or write may take; 0 or less if time is up."""
         if self._is_closed is not None and self._is_closed():
-            self.broken = "closed"
+            self.stop("closed")
             return 0.0
         left = self._ends - self._clock()
         if left <= 0:
-            self.broken = "time"
+            self.stop("time")
             return 0.0
         return left if timeout is None else min(timeout, left)
 
@@ -134,7 +132,7 @@ class CallBounds:
         if self._is_alive(self.url, self.seconds_left(None)):
             self._silent_since = self._clock()
             return True
-        self.broken = "silence"
+        self.stop("silence")
         return False
 
     def note_chunk(self, chunk: bytes) -> None:
@@ -150,9 +148,12 @@ class CallBounds:
 
     def check_size(self, size: int) -> None:
         """Raise `BoundReached` if a body of this size is too large."""
-        if size > self.size:
-            self.stop("size", f"{self.size:,}")
-            raise BoundReached(f"the response has more than {self.size:,} bytes")
+        self._check(size, self.size)
+
+    def _check(self, size: int, largest: int) -> None:
+        if size > largest:
+            self.stop("size", f"{largest:,}")
+            raise BoundReached(f"more than {largest:,} bytes")
 
 
 _bounds: ContextVar[CallBounds | None] = ContextVar("bounds", default=None)
