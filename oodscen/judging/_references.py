@@ -10,20 +10,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar, Literal, Protocol, TypeGuard, runtime_checkable
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, field_validator
 
 from oodscen._display import Brief
 from oodscen._members import optional
 from oodscen.data._base import Data
 from oodscen.data._episode import ACTIONS, Episode, best_action
-from oodscen.data._pairing import is_ordinary, scene_of
+from oodscen.data._pairing import scene_of
 from oodscen.data._verdict import NOTHING
-from oodscen.errors import LLMError, MissingExtra
+from oodscen.errors import LLMError
+from oodscen.judging._novelty import novelty_ranks
 from oodscen.protocols import Completion, Request
-
-Features = NDArray[np.float64]
 
 
 class AspectOption(Data):
@@ -116,7 +113,7 @@ class CaseAnswerer(Brief):
         Raises:
             LLMError: Always.
         """
-        raise LLMError(f"{self.name} answers whole drives, not questions in words", model=self.name)
+        raise LLMError(f"{self.name} takes cases, not prompts", model=self.name)
 
 
 class Oracle(CaseAnswerer):
@@ -185,11 +182,8 @@ class Blind(CaseAnswerer):
 class NoveltyReference(CaseAnswerer):
     """Measures the novelty of the last frame with classical vision, without any model.
 
-    The features are means, spreads and edge strengths of a grid of cells in Lab colours. Novelty is the distance
-    to the nearest ordinary frames on *other maps*, so that the scene, its twin and its street are all unseen; where
-    only one map has ordinary frames, to those of other scenes. A frame is called OOD if its novelty exceeds the
-    median novelty of the ordinary frames, each measured the same way; the answer is then to stop, else to keep the
-    speed. It cannot name what is unusual.
+    A frame is called OOD if its novelty exceeds the median novelty of the ordinary frames, each measured the same
+    way by `novelty_ranks`; the answer is then to stop, else to keep the speed. It cannot name what is unusual.
 
     Args:
         pictures: File of the last frame by scene id, of scenes and twins.
@@ -202,22 +196,7 @@ class NoveltyReference(CaseAnswerer):
     name = "novelty"
 
     def __init__(self, pictures: Mapping[str, Path], maps: Mapping[str, str]) -> None:
-        self._share: dict[str, float] = {}
-        """The share of ordinary frames with less novelty, by scene id."""
-        names = [name for name, file in pictures.items() if name in maps and file.is_file()]
-        if not names:
-            return
-        rows = np.array([features(pictures[name]) for name in names])
-        ordinary = np.array([is_ordinary(name) for name in names])
-        groups = np.array([maps[name] for name in names])
-        if len(set(groups[ordinary])) < 2:
-            groups = np.array([scene_of(name) for name in names])
-        novelty = _novelty(rows, groups, ordinary)
-        usual = np.sort(novelty[ordinary] if ordinary.any() else novelty)
-        below = np.searchsorted(usual, novelty, side="left")
-        up_to = np.searchsorted(usual, novelty, side="right")
-        shares = 0.5 * (below + up_to) / len(usual)
-        self._share.update(zip(names, shares.tolist(), strict=True))
+        self._share = novelty_ranks(pictures, maps)
 
     def judge(self, case: Case) -> Answers:
         """Answer from the novelty of the last frame."""
@@ -233,55 +212,3 @@ NAMED = (*(f"constant:{action}" for action in ACTIONS), "random")
 """References of every study that are made by their names alone."""
 ALWAYS = (*NAMED, Blind.name, NoveltyReference.name, Oracle.name)
 """References of every study."""
-
-GRID = (6, 8)
-"""Rows and columns of cells."""
-
-
-def features(picture: Path) -> Features:
-    """Return the features of a picture file: [cells x 9] Lab means, spreads and edge strengths.
-
-    They are 0 if it is no picture, or one of less than eight rows or columns.
-
-    Raises:
-        MissingExtra: If OpenCV is not installed.
-    """
-    try:
-        import cv2
-    except ImportError:
-        raise MissingExtra("the novelty detector", "pybullet", "opencv-python-headless") from None
-    try:
-        image = cv2.imread(str(picture), cv2.IMREAD_REDUCED_COLOR_4)
-    except cv2.error:  # No row or column would be left.
-        image = None
-    if image is None or min(image.shape[:2]) < 2:
-        return np.zeros(GRID[0] * GRID[1] * 9)
-    lab = cv2.cvtColor(image, cv2.COLOR_BGR2LAB).astype(np.float32)
-    edges = np.abs(lab[1:, 1:] - lab[:-1, 1:]) + np.abs(lab[1:, 1:] - lab[1:, :-1])
-    size = (GRID[1], GRID[0])
-    mean = cv2.resize(lab, size, interpolation=cv2.INTER_AREA)
-    square = cv2.resize(lab * lab, size, interpolation=cv2.INTER_AREA)
-    edge = cv2.resize(edges, size, interpolation=cv2.INTER_AREA)
-    spread = np.sqrt(np.maximum(square - mean * mean, 0.0))
-    return np.concatenate([part.ravel() for part in (mean, spread, edge)]).astype(np.float64)
-
-
-def _novelty(rows: Features, groups: NDArray[np.str_], ordinary: NDArray[np.bool_]) -> Features:
-    """Return the [n] distances of pictures to the nearest ordinary ones of other groups; 0 without any."""
-    novelty = np.zeros(len(rows))
-    for group in np.unique(groups):
-        is_here = groups == group
-        others = ordinary & ~is_here
-        if others.any():
-            novelty[is_here] = _distances(rows[is_here], rows[others])
-    return novelty
-
-
-def _distances(rows: Features, ordinary: Features) -> Features:
-    """Return the mean distance to the five nearest ordinary rows, with features scaled by their spread."""
-    scale = ordinary.std(axis=0) + 1.0
-    a, b = rows / scale, ordinary / scale
-    square = (a * a).sum(axis=1)[:, None] + (b * b).sum(axis=1)[None] - 2.0 * a @ b.T
-    near = np.sort(np.maximum(square, 0.0), axis=1)[:, :5]
-    mean: Features = np.round(np.sqrt(near).mean(axis=1), 6)
-    return mean

@@ -10,6 +10,7 @@ from oodscen.data._pairing import is_ordinary, scene_of
 from oodscen.data._verdict import NOTHING
 from oodscen.errors import LLMError
 from oodscen.judging import _references as references
+from oodscen.judging._novelty import features
 from oodscen.judging._references import AspectOption, Blind, NoveltyReference, Oracle, takes_cases
 from oodscen.protocols import Request
 from tests.judging.cases import Case, episode
@@ -130,11 +131,11 @@ def test_in_a_picture_of_a_few_pixels_nothing_is_novel(
 
     picture = tmp_path / "small.png"
     assert cv2.imwrite(str(picture), np.full((*size, 3), 90, np.uint8))
-    assert not references.features(picture).any()
+    assert not features(picture).any()
 
 
 def test_references_take_cases_and_refuse_questions_in_words() -> None:
     assert takes_cases(Oracle())
     assert not takes_cases(object())
-    with pytest.raises(LLMError, match="oracle answers whole drives"):
+    with pytest.raises(LLMError, match="oracle takes cases"):
         Oracle().complete(Request.__new__(Request))
