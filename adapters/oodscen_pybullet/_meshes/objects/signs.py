@@ -1,9 +1,13 @@
 """Road signs; their faces look along -x."""
 
 import math
+from collections.abc import Sequence
 
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._types import Point
+
+_FACE_X = -0.06
+"""x of a face on a post at the origin, m."""
 
 
 def face(
@@ -27,41 +31,45 @@ def face(
         is_forward: Whether it faces +x instead of -x.
         is_down: Whether a triangle stands on its tip.
     """
-    shares: list[tuple[float, float]]
+    shares = _outline(corners, is_down=is_down)
+    mesh.textured_polygon(_placed(shares, centre, half, is_forward=is_forward), shares, region)
+
+
+def _outline(corners: int, *, is_down: bool) -> list[tuple[float, float]]:
+    """Return the corners of a face in its region's square, from the bottom left, 0 to 1."""
     if corners == 3:
-        shares = [(0.02, 0.1), (0.98, 0.1), (0.5, 0.98)]
         if is_down:
-            shares = [(0.5, 0.02), (0.98, 0.9), (0.02, 0.9)]
-    else:
-        size = 0.5 / math.cos(math.pi / corners) if corners == 8 else 0.495
-        turns = [2 * math.pi * (i + 0.5) / corners for i in range(corners)]
-        shares = [(0.5 + size * math.cos(t), 0.5 + size * math.sin(t)) for t in turns]
+            return [(0.5, 0.02), (0.98, 0.9), (0.02, 0.9)]
+        return [(0.02, 0.1), (0.98, 0.1), (0.5, 0.98)]
+    size = 0.5 / math.cos(math.pi / corners) if corners == 8 else 0.495
+    turns = [2 * math.pi * (i + 0.5) / corners for i in range(corners)]
+    return [(0.5 + size * math.cos(turn), 0.5 + size * math.sin(turn)) for turn in turns]
+
+
+def _placed(
+    shares: Sequence[tuple[float, float]], centre: Point, half: float, *, is_forward: bool
+) -> list[Point]:
+    """Return the points of an outline around a centre."""
     x, y, z = centre
-    out = -1.0 if is_forward else 1.0
-    points = [(x, y + out * half * (1 - 2 * u), z + half * (2 * v - 1)) for u, v in shares]
-    mesh.textured_polygon(points, shares, region)
+    out = -half if is_forward else half
+    return [(x, y + out * (1 - 2 * u), z + half * (2 * v - 1)) for u, v in shares]
 
 
 def _plate(
     mesh: MeshBuilder,
-    z: float,
+    centre: Point,
     half: float,
     region: str,
     *,
     corners: int = 16,
     is_down: bool = False,
+    thickness: float = 0.015,
 ) -> None:
-    """Add a sign's face with its grey back, on a post at the origin."""
-    face(mesh, (-0.06, 0, z), half, region, corners=corners, is_down=is_down)
-    back = MeshBuilder()
-    face(back, (-0.045, 0, z), half, region, corners=corners, is_down=is_down, is_forward=True)
-    plain = back.build()
-    mesh.polygon(plain.vertices[_outline(corners)], "grey")
-
-
-def _outline(corners: int) -> list[int]:
-    """Return the rows of a fan's corners in order."""
-    return [0, 1, *(3 * k + 2 for k in range(corners - 2))]
+    """Add a sign's face and its grey back."""
+    face(mesh, centre, half, region, corners=corners, is_down=is_down)
+    x, y, z = centre
+    outline = _outline(corners, is_down=is_down)
+    mesh.polygon(_placed(outline, (x + thickness, y, z), half, is_forward=True), "grey")
 
 
 def _post(mesh: MeshBuilder, height: float, radius: float = 0.04) -> None:
@@ -73,7 +81,7 @@ def _sign(
     corners: int = 16, is_down: bool = False, lift: float,
 ) -> None:  # fmt: skip
     _post(mesh, lift + 1.6 * half)
-    _plate(mesh, lift + half, half, region, corners=corners, is_down=is_down)
+    _plate(mesh, (_FACE_X, 0, lift + half), half, region, corners=corners, is_down=is_down)
 
 
 def stop_sign(mesh: MeshBuilder) -> None:
@@ -104,7 +112,7 @@ def warning_sign(mesh: MeshBuilder) -> None:
 def road_works_sign(mesh: MeshBuilder) -> None:
     """A low warning triangle showing a man digging, on a stand."""
     _post(mesh, 1.3, 0.03)
-    _plate(mesh, 0.95, 0.5, "sign_works", corners=3)
+    _plate(mesh, (_FACE_X, 0, 0.95), 0.5, "sign_works", corners=3)
     for side in (-1.0, 1.0):
         mesh.beam((-0.34, side * 0.3, 0.03), (0.34, side * 0.3, 0.03), 0.06, "dark_grey")
         mesh.beam((0.0, side * 0.3, 0.03), (0, 0, 0.5), 0.04, "grey")
@@ -116,19 +124,11 @@ def sign_fallen(mesh: MeshBuilder) -> None:
     mesh.ball(
         (1.75, 0.1, 0.08), (0.24, 0.24, 0.16), "concrete", around=8, down=5, jitter=0.2, key=81
     )
-    tilt, half = 0.62, 0.42
-    plain = MeshBuilder()
-    face(plain, (0, 0, 0), half, "sign_stop", corners=8)
-    back = MeshBuilder()
-    face(back, (0, 0, 0), half, "sign_stop", corners=8, is_forward=True)
-    base = MeshBuilder().polygon(back.build().vertices[_outline(8)], "grey")
-    turned = MeshBuilder()
-    for part in (plain, base):
-        # A rotation about y is a rotation about x between two quarter turns about z.
-        side = MeshBuilder().add_surface(part.build(), yaw=math.pi / 2).build()
-        lean = MeshBuilder().add_surface(side, roll=tilt).build()
-        turned.add_surface(lean, yaw=-math.pi / 2)
-    mesh.add_surface(turned.build(), (-0.62, 0, 0.36))
+    plate = MeshBuilder()
+    _plate(plate, (0, 0, 0), 0.42, "sign_stop", corners=8, thickness=0.0)
+    # A rotation about y is a rotation about x between two quarter turns about z.
+    side = MeshBuilder().add_surface(plate.build(), yaw=math.pi / 2)
+    mesh.add_surface(side.build(), (-0.62, 0, 0.36), roll=0.62, yaw=-math.pi / 2)
 
 
 STILL = (
