@@ -22,6 +22,8 @@ from oodscen.stages._demands.setting import (
 
 _FIRM, _CALM, _SOFT = 4.2, 3.6, 2.8
 """Decelerations that a demand may ask of the ego, m/s^2."""
+_KERB_M = 0.6
+"""Distance of lights and signs from the edge of the asphalt, m."""
 
 
 def _vehicle_of_like_size(setting: Setting, rng: np.random.Generator) -> str:
@@ -64,14 +66,17 @@ def queue(setting: Setting, rng: np.random.Generator) -> Draft | None:
     if setting.has("tunnel", "roundabout", "junction") or "temporary_light" not in setting.assets:
         return _queue_demand(vehicles, "in the lane")
     light_m = max(vehicle.placement.ahead_m for vehicle in vehicles) + 5.0
-    offset_m = -setting.edge(light_m) - 0.6
-    light = actor("light", "temporary_light", light_m, offset_m=offset_m, state="red")
-    actors = [*vehicles, light]
+    actors = [*vehicles, _roadside(setting, "light", "temporary_light", light_m, state="red")]
     if "road_works_sign" in setting.assets:
         sign_m = max(rear_m - float(rng.uniform(8.0, 14.0)), 8.0)
-        offset_m = -setting.edge(sign_m) - 0.6
-        actors.append(actor("sign", "road_works_sign", sign_m, offset_m=offset_m))
+        actors.append(_roadside(setting, "sign", "road_works_sign", sign_m))
     return _queue_demand(actors, "in the lane before a temporary light that is red")
+
+
+def _roadside(setting: Setting, name: str, asset: str, ahead_m: float, *, state: str = "") -> Actor:
+    """Return what stands beside the asphalt on the right."""
+    offset_m = -setting.edge(ahead_m) - _KERB_M
+    return actor(name, asset, ahead_m, offset_m=offset_m, state=state)
 
 
 def _queue_demand(actors: Sequence[Actor], where: str) -> Draft:
@@ -92,13 +97,12 @@ def leader(setting: Setting, rng: np.random.Generator) -> Draft | None:
         return None
     deceleration = float(rng.uniform(2.0, 2.8))
     braked_s = min(setting.decision_s, float(rng.uniform(1.0, 1.8)))
-    speed = setting.speed
-    speed_at_decision = max(0.0, speed - deceleration * braked_s)
+    speed_at_decision = max(0.0, setting.speed - deceleration * braked_s)
     left_m = speed_at_decision * speed_at_decision / (2.0 * deceleration)
     reach = 0.5 * setting.length(asset)
-    gap = max(setting.gap_m, reach + FRONT_M + 3.0 + setting.braking_m(_FIRM) - left_m)
+    gap = setting.gap_to(reach, 3.0 - left_m, _FIRM)
     lost_m = 0.5 * deceleration * braked_s * braked_s
-    begin = setting.decision_m + gap - speed * setting.decision_s + lost_m
+    begin = setting.decision_m + gap - setting.speed * setting.decision_s + lost_m
     if begin < reach + FRONT_M + 4.0:
         return None
     lead = actor(
@@ -107,7 +111,7 @@ def leader(setting: Setting, rng: np.random.Generator) -> Draft | None:
         begin,
         behaviour="halt",
         start_s=setting.decision_s - braked_s,
-        speed=speed,
+        speed=setting.speed,
         deceleration=deceleration,
         pause=12.0,
     )
@@ -140,9 +144,7 @@ def slow_vehicle(setting: Setting, rng: np.random.Generator) -> Draft | None:
         speed = 0.45 * setting.speed
     if not asset:
         return None
-    gap = max(
-        setting.gap_m, 0.5 * setting.length(asset) + FRONT_M + 2.0 + setting.braking_m(_SOFT, speed)
-    )
+    gap = setting.gap_to(0.5 * setting.length(asset), 2.0, _SOFT, speed)
     begin = setting.decision_m + gap - speed * setting.decision_s
     noun = everyday_name(asset)
     quote = f"{with_article(noun)} drives slowly ahead in the lane"
@@ -156,29 +158,21 @@ def cyclist(setting: Setting, rng: np.random.Generator) -> Draft | None:
     """Return one or two cyclists who ride ahead at the right of the lane."""
     if setting.has("highway", "tunnel") or setting.lane:
         return None
-    if setting.has("rural"):
-        asset = setting.choose(rng, "cyclist")
-    else:
-        asset = setting.choose(rng, "cyclist", "cyclist", "cargo_bike", "e_scooter")
+    others = () if setting.has("rural") else ("cyclist", "cargo_bike", "e_scooter")
+    asset = setting.choose(rng, "cyclist", *others)
     if not asset:
         return None
     speed = min(float(rng.uniform(4.0, 5.4)), 0.7 * setting.speed)
-    gap = max(setting.gap_m, 1.0 + FRONT_M + 2.0 + setting.braking_m(_SOFT, speed))
+    gap = setting.gap_to(1.0, 2.0, _SOFT, speed)
     begin = setting.decision_m + gap - speed * setting.decision_s
     aside = -float(rng.uniform(0.1, 0.8))
-    riders = [actor("rider-1", asset, begin, offset_m=aside, behaviour="follow_lane", speed=speed)]
+    places = [("rider-1", asset, begin, aside)]
     if len(setting.scene.actors) > 2 and "cyclist" in setting.assets:
-        behind = begin + float(rng.uniform(4.0, 7.0))
-        riders.append(
-            actor(
-                "rider-2",
-                "cyclist",
-                behind,
-                offset_m=aside - 0.1,
-                behaviour="follow_lane",
-                speed=speed,
-            )
-        )
+        places.append(("rider-2", "cyclist", begin + float(rng.uniform(4.0, 7.0)), aside - 0.1))
+    riders = [
+        actor(name, kind, ahead_m, offset_m=offset_m, behaviour="follow_lane", speed=speed)
+        for name, kind, ahead_m, offset_m in places
+    ]
     rider = subject = "cyclist"
     if asset == "e_scooter":
         rider, subject = "person on an electric scooter", "electric scooter"

@@ -38,7 +38,7 @@ def merging_car(setting: Setting, rng: np.random.Generator) -> Draft | None:
         return None
     speed = 0.7 * setting.speed
     reach = 0.5 * setting.length(asset)
-    gap = max(setting.gap_m, reach + FRONT_M + 3.0 + setting.braking_m(_SOFT, speed))
+    gap = setting.gap_to(reach, 3.0, _SOFT, speed)
     begin = setting.decision_m + gap - speed * setting.decision_s
     if begin < reach + FRONT_M + 4.0:
         return None
@@ -66,9 +66,7 @@ def _leaves_the_kerb(setting: Setting, rng: np.random.Generator) -> Draft | None
     if not asset or moved_s < _MIRROR_S or setting.has("junction", "roundabout"):
         return None
     moved_m = 0.5 * _PULLS_AWAY * moved_s * moved_s
-    gap = max(
-        setting.gap_m, 0.5 * setting.length(asset) + FRONT_M + 4.0 + setting.braking_m(_SOFT, 3.5)
-    )
+    gap = setting.gap_to(0.5 * setting.length(asset), 4.0, _SOFT, 3.5)
     begin = setting.decision_m + gap - moved_m
     strip_m = setting.edge(begin) - setting.half_width(begin)
     if begin < 8.0 or strip_m < _PARKED_M - 0.2:

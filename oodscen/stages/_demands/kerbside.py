@@ -3,7 +3,7 @@
 import numpy as np
 
 from oodscen.data._scene import Actor
-from oodscen.stages._demands.setting import FRONT_M, Draft, Setting, actor, demand
+from oodscen.stages._demands.setting import Draft, Setting, actor, demand
 
 _CALM = 3.6
 """Deceleration that a standing vehicle may ask of the ego, m/s^2."""
@@ -13,10 +13,7 @@ _ASIDE_M = (0.1, 0.4)
 
 def _at_kerb(setting: Setting, asset: str, rng: np.random.Generator) -> tuple[float, float]:
     """Return how far ahead a vehicle stands at the kerb, and its offset, m."""
-    reach = 0.5 * setting.length(asset)
-    ahead_m = setting.decision_m + max(
-        setting.gap_m, reach + FRONT_M + 2.0 + setting.braking_m(_CALM)
-    )
+    ahead_m = setting.decision_m + setting.gap_to(0.5 * setting.length(asset), 2.0, _CALM)
     room_m = setting.edge(ahead_m) - 0.5 * setting.assets[asset].width - 0.2
     return ahead_m, -min(room_m, float(rng.uniform(*_ASIDE_M)))
 
@@ -95,7 +92,7 @@ def works(setting: Setting, rng: np.random.Generator) -> Draft | None:
         return None
     if setting.has("tunnel", "roundabout", "junction", "bridge"):
         return None
-    begin = setting.decision_m + max(setting.gap_m, FRONT_M + 1.0 + setting.braking_m(_CALM))
+    begin = setting.decision_m + setting.gap_to(0.0, 1.0, _CALM)
     half = setting.half_width(begin)
     close = _close_only_lane if setting.lanes == 1 else _close_lane
     actors = close(setting, rng, begin, half)

@@ -209,6 +209,22 @@ class Setting:
         """Return the distance in which the ego loses its speed at a deceleration, m."""
         return max(0.0, self.speed - to_speed) ** 2 / (2.0 * deceleration)
 
+    def gap_to(
+        self, half_length: float, spare_m: float, deceleration: float, to_speed: float = 0.0
+    ) -> float:
+        """Return the distance at the decision of the middle of a body in the lane, m.
+
+        It is that of the rare scene's body, or more where the ego needs more to brake.
+
+        Args:
+            half_length: Half the length of the body, m.
+            spare_m: Distance that remains before the ego's bumper, m.
+            deceleration: Deceleration that the body may ask of the ego, m/s^2.
+            to_speed: Speed of the body, m/s.
+        """
+        braking_m = self.braking_m(deceleration, to_speed)
+        return max(self.gap_m, half_length + FRONT_M + spare_m + braking_m)
+
 
 def _frontal_area_m2(asset: Asset) -> float:
     return asset.width * asset.height

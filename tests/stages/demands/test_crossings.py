@@ -196,3 +196,20 @@ def test_the_crossing_of_a_roundabout_is_the_maps():
     places = [draft.actors[0].placement.ahead_m for draft in drafts]
     assert max(places) - min(places) <= 0.4
     assert not any(named(draft, "zebra") for draft in drafts)
+
+
+@given(
+    settings_on(STREETS),
+    st.floats(0.0, 9.0),
+    st.floats(-5.0, 5.0),
+    st.floats(1.0, 6.0),
+    st.floats(0.0, 20.0),
+)
+def test_a_body_is_no_nearer_than_the_rare_scenes_and_leaves_room_to_brake(
+    setting, half_length, spare_m, deceleration, to_speed
+):
+    gap_m = setting.gap_to(half_length, spare_m, deceleration, to_speed)
+    left_m = gap_m - half_length - FRONT_M - setting.braking_m(deceleration, to_speed)
+    assert gap_m >= setting.gap_m
+    assert left_m > spare_m - 1e-6
+    assert gap_m == setting.gap_m or left_m < spare_m + 1e-6
