@@ -26,6 +26,12 @@ _LOW_M = 0.12
 """Least height of a held thing above the ground, m."""
 _TALL_M = 1.0
 """Height from which a thing is held at its middle, m."""
+_BELOW_HANDS_M = 0.04
+"""Height of the hands above the underside of a thing in both hands, m."""
+_BEHIND_HANDS_M = 0.02
+"""Distance of the near side of a thing before the body behind the middle of the hands, m."""
+_OUTWARDS = 0.3
+"""Distance of the middle of a hanging thing from the hand, as a share of its shorter side."""
 
 
 def _paint(name: str) -> str:
@@ -148,9 +154,9 @@ class AssetDetails(Data):
 
     @model_serializer(mode="wrap")
     def _lean(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        values: dict[str, Any] = serialise(self)
-        defaults = {name: field.default for name, field in type(self).model_fields.items()}
-        return {name: value for name, value in values.items() if value != defaults[name]}
+        fields = type(self).model_fields
+        values = serialise(self).items()
+        return {name: value for name, value in values if value != fields[name].default}
 
 
 class Held(Data):
@@ -173,14 +179,18 @@ def held_place(grip: Grip, scale: float, size: Size) -> Held:
         size: Length, width and height of the thing, m.
     """
     length, width, height = size
+    shorter = min(length, width)
     x, y, z = (scale * value for value in grip.at)
-    if grip.how == "beside":
-        low = max(_LOW_M, z - height) if height <= _TALL_M else _LOW_M
-        return Held(at=(x, y - 0.3 * min(length, width), low), is_turned=width > length)
-    if grip.how == "above":
-        return Held(at=(x, y, z), is_turned=length > width)
-    low = max(_LOW_M, z - height / 2) if height > _TALL_M else z - 0.04
-    return Held(at=(x + min(length, width) / 2 - 0.02, y, low), is_turned=length > width)
+    is_tall = height > _TALL_M
+    match grip.how:
+        case "before":
+            x = x + shorter / 2 - _BEHIND_HANDS_M
+            z -= height / 2 if is_tall else _BELOW_HANDS_M
+        case "beside":
+            y -= _OUTWARDS * shorter
+            z = 0.0 if is_tall else z - height
+    is_turned = width > length if grip.how == "beside" else length > width
+    return Held(at=(x, y, max(_LOW_M, z)), is_turned=is_turned)
 
 
 def shown_as(

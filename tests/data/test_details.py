@@ -235,10 +235,11 @@ def test_details_that_an_asset_does_not_offer_leave_its_size(name):
 @given(
     st.sampled_from(["before", "above", "beside"]),
     st.tuples(st.floats(0.1, 2), st.floats(0.1, 3), st.floats(0.05, 2)),
-    st.floats(0.5, 1.2),
+    st.floats(0.2, 2.0),
+    st.floats(0.0, 2.0),
 )
-def test_held_things_are_off_the_road_and_in_the_box(how, size, scale):
-    grip = Grip(how=how, at=(0.2, -0.3 if how == "beside" else 0.0, 1.0))
+def test_held_things_are_off_the_road_and_in_the_box(how, size, scale, hands_m):
+    grip = Grip(how=how, at=(0.2, -0.3 if how == "beside" else 0.0, hands_m))
     place = held_place(grip, scale, size)
     assert place.at[2] >= 0.1
     along = size[1] if place.is_turned else size[0]
