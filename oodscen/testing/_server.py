@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from email.message import Message
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, Literal, Self, get_args
 
@@ -161,11 +162,19 @@ class AnsweringServer(Brief):
         with self._lock:
             return self._questions.get(_key(turns, received.body.get("seed")))
 
-    def _record(self, received: Received) -> int:
-        """Store a request and return its index."""
+    def _answer(self, received: Received) -> tuple[Fault | None, Completion | None]:
+        """Store a request, and return the fault to produce and the model's answer.
+
+        There is no answer where the fault replaces the response, or the question is not recognised.
+        """
         with self._lock:
+            index = len(self.received)
             self.received.append(received)
-            return len(self.received) - 1
+        request = self._recognise(received)
+        fault = self._fault(index, request)
+        if request is None or fault in get_args(ResponseFault):
+            return fault, None
+        return fault, self.llm.complete(request)
 
     def _fault(self, index: int, request: Request | None) -> Fault | None:
         """Return the fault to produce for a request, or `None`.
@@ -233,7 +242,7 @@ def _content(message: dict[str, Any]) -> tuple[str, list[bytes]]:
     return "\n".join(texts), images
 
 
-def _parsed(body: bytes, headers: dict[str, str]) -> Received:
+def _parsed(body: bytes, headers: Message) -> Received:
     """Return a request's content, without credentials.
 
     Raises:
@@ -248,47 +257,37 @@ def _parsed(body: bytes, headers: dict[str, str]) -> Received:
             raise TypeError("a role is not text")
     if not isinstance(document["model"], str):
         raise TypeError("the model is not text")
-    kept = {k: v for k, v in headers.items() if k != "cookie" and not secrets_in({k: v})}
+    named = {name.lower(): value for name, value in headers.items()}
+    kept = {k: v for k, v in named.items() if k != "cookie" and not secrets_in({k: v})}
     return Received(document, kept, tuple(pictures))
 
 
 class _Handler(BaseHTTPRequestHandler):
     """Answers one request, or produces the fault that replaces the response."""
 
-    server: "_Server"
+    server: _Server
 
     def do_POST(self) -> None:
-        headers = {name.lower(): value for name, value in self.headers.items()}
         try:
             body = self._body()
             if self.path != "/v1/chat/completions":
                 return self._error(404, f"there is no {self.path} here")
-            received = _parsed(body, headers)
+            received = _parsed(body, self.headers)
         except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
             return self._error(400, f"unreadable request: {error!r:.200}")
-        server = self.server.answering
-        index = server._record(received)
-        request = server._recognise(received)
-        completion: Completion | None = None
         try:
-            fault = server._fault(index, request)
-            if request is not None and fault not in get_args(ResponseFault):
-                completion = server.llm.complete(request)
+            fault, completion = self.server.answering._answer(received)
         except LLMError as error:
             return self._error(400, str(error))
         except Exception as error:
-            server._fail(error)
+            self.server.answering._fail(error)
             return self._error(400, f"{type(error).__name__}: {error}")
         if fault is not None and fault in get_args(ResponseFault):
             return self._misbehave(fault)
         if completion is None:
             return self._error(400, "this conversation was not announced, or arrived changed")
-        message = _message(_faulty_text(completion.text, fault), completion.instead)
-        reason = _finish_reason(completion, fault)
-        document = _chat_completion(received, message, reason)
-        if fault == "cut":
-            return self._send(200, document, content_length=len(document) + 999)
-        return self._send(200, document)
+        document = _chat_completion(received, completion, fault)
+        return self._send(200, document, missing=999 if fault == "cut" else 0)
 
     def _body(self) -> bytes:
         length = int(self.headers.get("content-length", 0))
@@ -347,15 +346,14 @@ class _Handler(BaseHTTPRequestHandler):
         status: int,
         body: bytes,
         headers: dict[str, str] | None = None,
-        content_length: int | None = None,
+        missing: int = 0,
     ) -> None:
+        """Send a response whose announced length exceeds the body by the missing bytes."""
         self.send_response(status)
         for name, value in (headers or {}).items():
             self.send_header(name, value)
         self.send_header("content-type", "application/json")
-        if content_length is None:
-            content_length = len(body)
-        self.send_header("content-length", str(content_length))
+        self.send_header("content-length", str(len(body) + missing))
         with suppress(ConnectionError):  # The client may have left.
             self.end_headers()
             self.wfile.write(body)
@@ -391,7 +389,9 @@ def _message(text: str | None, instead: str | None) -> dict[str, Any]:
     return message
 
 
-def _chat_completion(received: Received, message: dict[str, Any], finish_reason: str) -> bytes:
+def _chat_completion(received: Received, completion: Completion, fault: Fault | None) -> bytes:
+    message = _message(_faulty_text(completion.text, fault), completion.instead)
+    finish_reason = _finish_reason(completion, fault)
     prompt_tokens = sum(len(_content(turn)[0]) for turn in received.messages) // 4
     completion_tokens = -(-len(message["content"] or "") // 4)
     document = {
