@@ -12,9 +12,12 @@ from oodscen.data._shapes import Part, Point
 _STEP_M = 0.3
 """Greatest length of a small box, m."""
 _MAX_BLOCKS = 160
-"""Most small boxes of one body."""
+"""Most small boxes of a body that is cut, or of an ellipsoid."""
 _SECTORS = 12
 """Wedges around a round body."""
+_ANGLES = [2.0 * math.pi * k / _SECTORS for k in range(_SECTORS)]
+_CIRCLE = [(math.cos(angle), math.sin(angle)) for angle in _ANGLES]
+"""Cosine and sine at the edge of each wedge."""
 _MAX_WEDGES = 4
 """Most pieces of one wedge along a round body."""
 _SMALL_M = 0.25
@@ -65,9 +68,7 @@ def blocks_of(box: Extent, part: Part, transform: Transform) -> list[Extent]:
             return list(_column_wedges(part, transform))
         case shapes.Blot():
             (x, y), (length, width) = part.blot, part.size
-            rim = [
-                (x + length / 2 * cos, y + width / 2 * sin, part.height) for cos, sin in _circle()
-            ]
+            rim = [(x + length / 2 * cos, y + width / 2 * sin, part.height) for cos, sin in _CIRCLE]
             return [transform.box(((x, y, part.height), *edge)) for edge in _rim_edges(rim)]
         case _:
             return [box]
@@ -112,14 +113,12 @@ def _cut_body(box: Extent, corners: Sequence[Point]) -> list[Extent]:
         around(
             [
                 _interpolated(
-                    corners, [(i + p) / counts[0], (j + q) / counts[1], (k + r) / counts[2]]
+                    corners, [(k + end) / n for k, end, n in zip(cell, ends, counts, strict=True)]
                 )
-                for p in (0, 1)
-                for q in (0, 1)
-                for r in (0, 1)
+                for ends in itertools.product((0, 1), repeat=3)
             ]
         )
-        for i, j, k in itertools.product(*map(range, counts))
+        for cell in itertools.product(*map(range, counts))
     ]
 
 
@@ -144,42 +143,37 @@ def _lathe_wedges(
         upright = _cross_product(along, across)
         rims = [
             [
-                (
-                    x + radius * (cos * across[0] + sin * upright[0]),
-                    y + radius * (cos * across[1] + sin * upright[1]),
-                    z + radius * (cos * across[2] + sin * upright[2]),
-                )
-                for cos, sin in _circle()
+                [
+                    c + radius * (cos * a + sin * u)
+                    for c, a, u in zip(centre, across, upright, strict=True)
+                ]
+                for cos, sin in _CIRCLE
             ]
-            for x, y, z, radius in (start, end)
+            for *centre, radius in (start, end)
         ]
-        yield from _wedges(start[:3], end[:3], rims[0], rims[1], transform)
+        yield from _wedges(start[:3], end[:3], rims, transform)
 
 
 def _column_wedges(part: shapes.Column, transform: Transform) -> Iterator[Extent]:
     """Yield the boxes around the wedges of a column."""
     for start, end in itertools.pairwise(part.column):
         rims = [_column_rim(part.axis, ring) for ring in (start, end)]
-        yield from _wedges(start[:3], end[:3], rims[0], rims[1], transform)
+        yield from _wedges(start[:3], end[:3], rims, transform)
 
 
 def _column_rim(axis: str, ring: tuple[float, float, float, float, float]) -> list[Point]:
     x, y, z, first_radius, second_radius = ring
     if axis == "x":
-        return [(x, y + first_radius * cos, z + second_radius * sin) for cos, sin in _circle()]
-    return [(x + first_radius * cos, y + second_radius * sin, z) for cos, sin in _circle()]
+        return [(x, y + first_radius * cos, z + second_radius * sin) for cos, sin in _CIRCLE]
+    return [(x + first_radius * cos, y + second_radius * sin, z) for cos, sin in _CIRCLE]
 
 
 def _wedges(
-    low: Point,
-    high: Point,
-    low_rim: Sequence[Point],
-    high_rim: Sequence[Point],
-    transform: Transform,
+    low: Point, high: Point, rims: Sequence[Sequence[Sequence[float]]], transform: Transform
 ) -> Iterator[Extent]:
     """Yield the boxes around the wedges of a round body between two rims."""
     count = min(_MAX_WEDGES, max(1, math.ceil(math.dist(low, high) / _STEP_M)))
-    below, above = ([transform.point(point) for point in rim] for rim in (low_rim, high_rim))
+    below, above = ([transform.point(point) for point in rim] for rim in rims)
     axis = transform.point(low), transform.point(high)
     for (a, b), (c, d) in zip(_rim_edges(below), _rim_edges(above), strict=True):
         edges = (axis, (a, c), (b, d))
@@ -199,12 +193,6 @@ def _cross_product(a: Sequence[float], b: Sequence[float]) -> list[float]:
         a[2] * b[0] - a[0] * b[2],
         a[0] * b[1] - a[1] * b[0],
     ]
-
-
-def _circle() -> list[tuple[float, float]]:
-    """Return the cosine and sine at the edge of each wedge."""
-    angles = [2.0 * math.pi * k / _SECTORS for k in range(_SECTORS)]
-    return [(math.cos(angle), math.sin(angle)) for angle in angles]
 
 
 def _rim_edges(rim: Sequence[Point]) -> list[tuple[Point, Point]]:
