@@ -1,45 +1,23 @@
-"""Builds corridors from OpenDRIVE files."""
+"""Finds maps, reads their OpenDRIVE files and builds their corridors."""
 
-import math
-from collections.abc import Sequence
 from copy import copy
-from dataclasses import replace
 from functools import lru_cache
 from importlib.resources import files
 from importlib.util import find_spec
-from itertools import accumulate
 from pathlib import Path
-
-import numpy as np
 
 from oodscen._arguments import checked, instance_of
 from oodscen._io.files import read_regular
 from oodscen.data._catalogue import Catalogue, RoadMap
-from oodscen.driving._roads.corridor import Corridor, OtherRoad, PaintedArea, RoadSignal
-from oodscen.driving._roads.crosssection import Places, build_strips, freeze
+from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._roads.document import MAX_BYTES
-from oodscen.driving._roads.leg_tracks import SAMPLE_STEP_M, tracks_of
-from oodscen.driving._roads.network import Network, Road
+from oodscen.driving._roads.network import Network
 from oodscen.driving._roads.opendrive import read_network
 from oodscen.driving._roads.routes import Leg, find_route
+from oodscen.driving._roads.sampling import build_route
 from oodscen.driving._roads.starts import find_start
-from oodscen.driving._roads.surroundings import (
-    painted_areas,
-    roads_by_distance,
-    signal_in_world,
-    structures_of,
-)
 from oodscen.errors import DataError, Issue, UnknownComponent
-from oodscen.numerics._arrays import rounded
 
-_MAX_OTHERS_M = 60_000.0
-"""Maximum total length of other roads, m; the nearest are kept."""
-_MAX_FURNITURE = 5_000
-"""Number of signals and painted areas at which no further road's are added."""
-_DEFAULT_SPEED_LIMIT = 13.9
-"""Speed limit of a road without one, m/s."""
-_ROUNDING = 1e-9
-"""Part of a step by which a length may exceed whole steps before one is added."""
 _NAMED, _LONGEST_NAME = 20, 40
 """Number of roads that an error names, and characters of each name."""
 
@@ -100,9 +78,9 @@ def _describe(data: bytes, name: str) -> RoadMap:
 def read_map(file: str) -> bytes:
     """Return the content of `package:path/inside.xodr` or of a path."""
     package, _, inside = file.partition(":")
-    is_packaged = inside and all(part.isidentifier() for part in package.split("."))
+    names_package = all(part.isidentifier() for part in package.split("."))
     try:
-        if is_packaged and len(package) > 1:
+        if inside and names_package and len(package) > 1:  # A single letter is a drive.
             spec = find_spec(package)
             if spec is None or spec.submodule_search_locations is None:
                 raise ModuleNotFoundError(f"no package named {package!r}")
@@ -152,93 +130,3 @@ def _sampled_route(
 
 def _fault(source: str, path: str, message: str) -> DataError:
     return DataError("OpenDRIVE file", [Issue(path, message)], source=source)
-
-
-def build_corridor(road: Road) -> Corridor:
-    """Sample a single road, along its own reference line.
-
-    Raises:
-        ValueError: If the road has too many lanes.
-    """
-    return _sampled(Network({road.id: road}), [Leg(road, True)], 0, 0.0)
-
-
-def build_route(network: Network, legs: Sequence[Leg], *, index: int, start_m: float) -> Corridor:
-    """Sample the roads that the ego drives, and describe their surroundings.
-
-    The ego starts on the leg of the given index, `start_m` along that road's own reference line.
-
-    Raises:
-        ValueError: If a bend is too tight to drive, or there are too many lanes.
-    """
-    corridor = _sampled(network, legs, index, start_m)
-    taken = {leg.road.id for leg in legs}
-    untaken = [road for road in network.roads.values() if road.id not in taken]
-    signals: list[RoadSignal] = []
-    areas: list[PaintedArea] = []
-    for road in roads_by_distance(network.roads.values(), corridor):
-        if len(signals) + len(areas) < _MAX_FURNITURE:
-            signals += [signal_in_world(road, signal, corridor) for signal in road.signals]
-            areas += painted_areas(road)
-    return replace(
-        corridor,
-        others=tuple(_others(untaken, corridor)),
-        signals=tuple(signals),
-        crosswalks=tuple(areas),
-    )
-
-
-def _others(roads: Sequence[Road], corridor: Corridor) -> list[OtherRoad]:
-    """Return the roads near a corridor, in the order given, as far as there is room for them."""
-    room_m = _MAX_OTHERS_M
-    others: dict[str, OtherRoad] = {}
-    for road in roads_by_distance(roads, corridor):
-        room_m -= road.length
-        if room_m < 0.0:
-            break
-        others[road.id] = OtherRoad(
-            corridor=build_corridor(road),
-            road_id=road.id,
-            is_connecting=bool(road.junction),
-            junction=road.junction,
-        )
-    return [others[road.id] for road in roads if road.id in others]
-
-
-def _sampled(network: Network, legs: Sequence[Leg], index: int, start_m: float) -> Corridor:
-    """Sample a chain of legs as one evenly spaced line."""
-    tracks = tracks_of(legs)
-    begins = [0.0, *accumulate(track.length for track in tracks)]
-    length = begins[-1]
-    count = max(2, math.ceil(length / SAMPLE_STEP_M - _ROUNDING) + 1)
-    along = length * np.arange(count) / (count - 1)
-    leg_numbers = np.searchsorted(begins[1:-1], along, side="right")
-    road_s = np.empty(count)
-    columns = np.empty((6, count))
-    for number, (track, begin) in enumerate(zip(tracks, begins[:-1], strict=True)):
-        is_on_leg = leg_numbers == number
-        road_s[is_on_leg] = track.own(along[is_on_leg] - begin)
-        columns[:, is_on_leg] = track.points(road_s[is_on_leg])
-    x, y, z, cosine, sine, curvature = (freeze(rounded(column)) for column in columns)
-    in_junction = np.array([bool(leg.road.junction) for leg in legs])[leg_numbers]
-    in_junction.setflags(write=False)
-    places = Places(leg_numbers, road_s, [track.shift for track in tracks])
-    start = begins[index] + tracks[index].from_start(start_m)
-    strips = build_strips(
-        network, legs, places, in_junction, step=length / (count - 1), start=start
-    )
-    return Corridor(
-        s=freeze(rounded(along)),
-        x=x,
-        y=y,
-        z=z,
-        cos=cosine,
-        sin=sine,
-        curvature=curvature,
-        strips=tuple(strips),
-        start=start,
-        speed_limit=legs[index].road.speed_limit(start_m) or _DEFAULT_SPEED_LIMIT,
-        keeps_left=legs[index].road.left_hand,
-        in_junction=in_junction,
-        structures=structures_of(tracks, begins[:-1]),
-    )

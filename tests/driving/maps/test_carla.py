@@ -9,10 +9,10 @@ from importlib.resources import files
 
 import pytest
 
-from oodscen.driving._roads.building import build_corridor
 from oodscen.driving._roads.geometry import piecewise
 from oodscen.driving._roads.network import Network
 from oodscen.driving._roads.opendrive import read_network
+from oodscen.driving._roads.sampling import build_corridor
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 
 carla = pytest.importorskip("carla")

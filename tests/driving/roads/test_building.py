@@ -5,7 +5,11 @@ import numpy as np
 import pytest
 
 from oodscen.data._catalogue import RoadMap
-from oodscen.driving._roads.building import build_corridor, find_map, load_corridor
+from oodscen.driving._roads.building import find_map, load_corridor, read_map
+from oodscen.driving._roads.opendrive import read_network
+from oodscen.driving._roads.routes import Leg, find_route
+from oodscen.driving._roads.sampling import build_corridor, build_route
+from oodscen.driving._roads.surroundings import roads_by_distance
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import DataError, UnknownComponent
 from tests.driving import networks
@@ -200,3 +204,23 @@ def test_traffic_drives_on_the_lanes_that_lead_onto_a_motorway_and_off_it(kind: 
     road = networks.road("1", 100.0, right=lane(-1) + lane(-2, kind))
     corridor = build_corridor(read_road(networks.file(road)))
     assert [strip.kind for strip in corridor.strips] == ["driving", "driving"]
+
+
+@pytest.mark.parametrize("kept", [0, 1, 5, 13])
+def test_other_roads_are_kept_up_to_a_total_length_the_nearest_first(
+    monkeypatch: pytest.MonkeyPatch, kept: int
+) -> None:
+    road_map = CATALOGUE.map("urban_junction")
+    network = read_network(read_map(road_map.file), source="")
+    leg = Leg(network.roads[road_map.road], road_map.forward)
+    legs, index, _ = find_route(network, leg, road_map.start_m, road_map.route)
+    everything = build_route(network, legs, index=index, start_m=road_map.start_m)
+    taken = {leg.road.id for leg in legs}
+    others = [road for road in network.roads.values() if road.id not in taken]
+    near = roads_by_distance(others, everything)
+    assert len(near) == len(everything.others) == 13
+    room_m = sum(road.length for road in near[:kept]) + 1e-6
+    monkeypatch.setattr("oodscen.driving._roads.sampling._MAX_OTHERS_M", room_m)
+    corridor = build_route(network, legs, index=index, start_m=road_map.start_m)
+    ids = {road.id for road in near[:kept]}
+    assert [other.road_id for other in corridor.others] == [r.id for r in others if r.id in ids]

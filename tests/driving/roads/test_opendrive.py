@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lxml import etree
 
-from oodscen.driving._roads.building import build_corridor
 from oodscen.driving._roads.document import MAX_BYTES
 from oodscen.driving._roads.geometry import Arc, Line, ParamPoly3, Poly3, Spiral, piecewise
+from oodscen.driving._roads.sampling import build_corridor
 from oodscen.errors import DataError
 from tests.driving import networks
 from tests.driving.networks import read_road

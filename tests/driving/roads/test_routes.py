@@ -6,9 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oodscen.data._catalogue import RoadMap
-from oodscen.driving._roads.building import build_route, find_map, load_corridor
+from oodscen.driving._roads.building import find_map, load_corridor
 from oodscen.driving._roads.opendrive import read_network
 from oodscen.driving._roads.routes import Leg, find_route, followers, lane_links
+from oodscen.driving._roads.sampling import build_route
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import DataError
 from tests.driving.networks import file, lane, road, single_lane_junction
