@@ -17,8 +17,8 @@ LAYER_M = 0.004
 """Height between stacked layers of the road, m."""
 PAINT_M = 0.008
 """Height of marks above the asphalt, m."""
-_NARROW_M = 1e-6
-"""Width of a quad's end below which its other end gives its direction, m."""
+_NO_LENGTH_M = 1e-6
+"""Length of a quad's side up to which the opposite side gives its direction, m."""
 _NO_AREA = 1e-9
 """Length of a normal up to which a quad has no area and is left out, m^2."""
 
@@ -79,11 +79,12 @@ class Ribbons:
         self.add_quads(quads, np.broadcast_to(uv, (len(quads), 4, 2)))
 
     def add_quads(self, quads: Array, uv: Array) -> None:
-        """Add quads, [n, 4, 3], counter-clockwise, with their atlas coordinates, [n, 4, 2]."""
-        across, along = quads[:, 3] - quads[:, 0], quads[:, 1] - quads[:, 0]
-        is_wide = np.abs(across).sum(axis=1, keepdims=True) > _NARROW_M
-        across = np.where(is_wide, across, quads[:, 2] - quads[:, 1])
-        normal = np.cross(along, across)
+        """Add quads, [n, 4, 3], counter-clockwise, with their atlas coordinates, [n, 4, 2].
+
+        Each is lit as if it were flat, by the normal at its first corner.
+        """
+        a, b, c, d = quads.swapaxes(0, 1)
+        normal = np.cross(_either_side(b - a, c - d), _either_side(d - a, c - b))
         length = np.sqrt((normal * normal).sum(axis=1, keepdims=True))
         has_area = length[:, 0] > _NO_AREA
         normal = normal / np.maximum(length, _NO_AREA)
@@ -107,6 +108,12 @@ class Ribbons:
             np.concatenate([np.zeros((0, 3)), *self._normals]),
             np.concatenate([np.zeros((0, 2)), *self._uvs]),
         )
+
+
+def _either_side(sides: Array, opposite: Array) -> Array:
+    """Return sides of quads, [n, 3], and the opposite one of each that has no length."""
+    has_length = np.abs(sides).sum(axis=1, keepdims=True) > _NO_LENGTH_M
+    return np.where(has_length, sides, opposite)
 
 
 def whole_pieces(samples: Mask) -> Mask:

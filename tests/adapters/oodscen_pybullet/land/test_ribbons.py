@@ -56,3 +56,14 @@ def test_a_mask_chooses_the_pieces(chosen):
     corners, _ = triangles(ribbons)
     pieces = (corners.mean(axis=1)[:, 0] // 3.0).astype(int)
     assert pieces.tolist() == [index for index in range(PIECES) if chosen[index] for _ in (0, 1)]
+
+
+@pytest.mark.parametrize("rows", [(0, 0, 1, 2), (0, 1, 1, 2), (0, 1, 2, 2), (0, 1, 2, 0)])
+def test_a_quad_with_a_doubled_corner_is_a_triangle_that_is_lit_as_one(rows):
+    corners = np.array([(0.0, 0.0, 0.0), (3.0, 0.0, 0.3), (0.0, 2.0, 0.0)])
+    ribbons = Ribbons(course())
+    ribbons.add_quads(corners[None, rows], np.zeros((1, 4, 2)))
+    shown, normals = triangles(ribbons)
+    faces = np.cross(shown[:, 1] - shown[:, 0], shown[:, 2] - shown[:, 0])
+    assert faces[:, 2].sum() == pytest.approx(6.0)
+    assert np.allclose(normals, np.array([-0.1, 0.0, 1.0]) / np.sqrt(1.01))
