@@ -1,4 +1,4 @@
-"""Polygons on the ground: arrays of their corners, counter-clockwise, [n, 2] m."""
+"""Polygons seen from above: arrays of their corners, counter-clockwise, m."""
 
 import math
 
@@ -19,7 +19,8 @@ def without_straight_corners(outline: Array) -> Array:
     """
     count = len(outline)
     ring = np.concatenate([outline, outline])
-    first, second = _farthest_apart(outline)
+    gaps = outline[:, None] - outline
+    first, second = divmod(int((gaps * gaps).sum(axis=2).argmax()), count)
     corners = {first, second}
     pending = [(first, second), (second, first + count)]
     while pending:
@@ -37,6 +38,7 @@ def is_convex(outline: Array) -> bool:
     side = outline - np.roll(outline, 1, axis=0)
     onward = np.roll(side, -1, axis=0)
     turns_left = side[:, 0] * onward[:, 1] > side[:, 1] * onward[:, 0]
+    # Once a round, a side that leads up follows one that leads down.
     is_up = (side[:, 1] > 0.0) | ((side[:, 1] == 0.0) & (side[:, 0] > 0.0))
     rounds = np.count_nonzero(is_up & ~np.roll(is_up, 1))
     return bool(turns_left.all()) and rounds == 1
@@ -86,16 +88,6 @@ def _half_hull(points: list[tuple[float, float, float]]) -> list[tuple[float, fl
             hull.pop()
         hull.append((x, y, z))
     return hull[:-1]
-
-
-def _farthest_apart(points: Array) -> tuple[int, int]:
-    """Return the rows of the two points, [n, 2], that are farthest apart, the lower one first."""
-    pair, farthest = (0, 0), 0.0
-    for row, point in enumerate(points):
-        square = ((points[row:] - point) ** 2).sum(axis=1)
-        if square.max() > farthest:
-            pair, farthest = (row, row + int(square.argmax())), float(square.max())
-    return pair
 
 
 def _distances(points: Array, start: Array, end: Array) -> Array:
