@@ -99,6 +99,7 @@ def _network(data: bytes, source: str) -> Network:
 def _corridor(data: bytes, road_map: RoadMap) -> Corridor:
     """Return the corridor of a map, which it keeps as its `road_map`."""
     start, forward, route = road_map.start_m, road_map.forward, road_map.route
+    # `replace` would build its look-ups anew.
     corridor = copy(_sampled_route(data, road_map.road, start, forward, route, road_map.file))
     object.__setattr__(corridor, "road_map", road_map)
     return corridor
