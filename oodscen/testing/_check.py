@@ -43,6 +43,7 @@ _PARTS: dict[str, Callable[[Probe], None]] = {
     "process": isolation.check_process,
     "controls": runs.check_controls,
     "snapshot": runs.check_snapshot,
+    "rehearsal": runs.check_rehearsal,
     "measures": measures.check_measures,
     "motion": motion.check_motion,
     "frames": pictures.check_frames,
@@ -86,7 +87,7 @@ def check_simulator(
       without a jump;
     - pictures whose colours, ids and depth agree with each other, with the state and with the camera, also one that
       looks aside or back, and that follow many bodies, step for step and right after `restore`;
-    - snapshots if offered, typed refusals, and a `close` that may be called twice;
+    - snapshots and rehearsals if offered, typed refusals, and a `close` that may be called twice;
     - memory, open files, threads and processes that do not grow, and none of the latter two after `close`.
 
     Args:

@@ -163,6 +163,22 @@ class ForgetsSpeed(Small):
         return state
 
 
+class Hopeful(Small):
+    def rehearse(self, action, seconds, **variation):
+        return True
+
+
+class Hopeless(Small):
+    def rehearse(self, action, seconds, **variation):
+        return False
+
+
+class RehearsesForReal(Small):
+    def rehearse(self, action, seconds, **variation):
+        self.step(Control())
+        return super().rehearse(action, seconds, **variation)
+
+
 class Swallows(Small):
     def draw(self, camera):
         hidden = [asset.id == "adult" for asset in self._assets]
@@ -455,6 +471,9 @@ class _Fixed(FlatSimulator):
         (Untyped, "refusals", ["an unknown map is refused by a KeyError"]),
         (Boastful, "maps", ["has 1 lanes, not 2", "lie ahead"]),
         (ForgetsSpeed, "snapshot", ["snapshot"]),
+        (Hopeful, "rehearsal", ["is True, not False"]),
+        (Hopeless, "rehearsal", ["is False, not True"]),
+        (RehearsesForReal, "rehearsal", ["changes what follows"]),
         (SteersRight, "controls", ["left must be positive"]),
         (Reuses, "maps", ["a later step changed an earlier state"]),
         (ReusesFrames, "frames", ["a later render changed an earlier frame"]),

@@ -1,6 +1,8 @@
 """Parts about whole runs: they repeat, obey the controls, go back, and refuse what cannot be staged."""
 
-from oodscen._abilities import ChecksScenes, Snapshots, own_issues
+import numpy as np
+
+from oodscen._abilities import ChecksScenes, Rehearses, Snapshots, own_issues
 from oodscen.data._scene import Behaviour, Scene
 from oodscen.errors import SceneError, SpawnError, UnknownComponent
 from oodscen.protocols import Control
@@ -16,6 +18,14 @@ _RESTORED = (5, 30, 5)
 """Steps whose snapshots are restored, in this order."""
 _TOLERANCE = 1e-6
 """Largest difference between an observation and the state that it shows."""
+_TRIALS = (
+    ("keep_speed", {"reaction_s": 0.0}, False),
+    ("keep_speed", {"reaction_s": 0.0, "speed": 0.5}, True),
+    ("emergency_brake", {"reaction_s": 0.0}, True),
+    ("emergency_brake", {"reaction_s": 5.0}, False),
+    ("emergency_brake", {"reaction_s": 0.0, "friction": 0.05}, False),
+)
+"""Actions at 10 m/s, 40 m behind a body that stands, the driver and the road, and whether they pass for 5 s."""
 
 
 def check_determinism(probe: Probe) -> None:
@@ -94,6 +104,26 @@ def check_snapshot(probe: Probe) -> None:
         state = simulator.restore(start)
         at_start = getattr(state, "step", None) == 0
         probe.findings.expect(at_start, "", "restore() does not return the restored state")
+
+
+def check_rehearsal(probe: Probe) -> None:
+    """Check that rehearsals tell which actions pass, for other drivers and on other roads, and move nothing."""
+    simulator = probe.simulator
+    if not isinstance(simulator, Rehearses):
+        raise NotApplicable("has no rehearse()")
+    scene = probe.scene(probe.still(probe.box_like, ahead=40.0), speed=10.0)
+    expected = [state.fingerprint() for state in probe.run(scene)]
+    states = [simulator.reset(scene, 0).fingerprint()]
+    for action, variation, passes in _TRIALS:
+        found = simulator.rehearse(action, 5.0, **variation)
+        told = ", ".join(f"{name}={value:g}" for name, value in variation.items())
+        probe.findings.expect(
+            isinstance(found, bool | np.bool_) and found == passes,
+            "",
+            f"rehearse({action!r}, 5, {told}) is {found!r:.40}, not {passes}, 40 m behind a body, at 10 m/s",
+        )
+    states += [simulator.step(Control()).fingerprint() for _ in expected[1:]]
+    probe.findings.expect(states == expected, "", "rehearse() changes what follows")
 
 
 def _triggered_scenes(probe: Probe) -> list[Scene]:
