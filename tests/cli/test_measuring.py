@@ -58,7 +58,7 @@ def test_rates_that_the_model_does_not_answer_are_told():
     order = [*SCORE, "--anchors", "published", "--llm", f"{__name__}:Mute"]
     said = CliRunner().invoke(main, order).stdout
     rates = len(published_rates())
-    assert f"not calibrated, as none of {rates} published rates was answered" in said
+    assert f"not calibrated, as none of {rates} rates has a figure for each wording" in said
     rarity = json.loads(CliRunner().invoke(main, [*order, "--json"]).stdout)["rarity"]
     assert rarity["unanswered_rates"] == rates
     assert rarity["calibration"] is None

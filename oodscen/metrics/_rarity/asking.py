@@ -79,14 +79,14 @@ def ask_rarity(
 def _rate_estimates(
     llm: LLM, rates: Sequence[PublishedRate], draws: int, per_call: int
 ) -> Iterator[tuple[PublishedRate, float | None]]:
-    """Yield each published rate with the model's mean estimate over its wordings, `None` if it gives none."""
+    """Yield each rate with the model's mean estimate over its wordings, `None` if it gives none of one of them."""
     wordings = [text for rate in rates for text in rate.texts]
     rarities, _ = _ask_all(llm, wordings, draws, per_call)
     waiting = iter(rarities)
     for rate in rates:
         figures = [next(waiting).best for _ in rate.texts]
         known = [figure for figure in figures if figure is not None]
-        yield rate, float(np.mean(known)) if known else None
+        yield rate, float(np.mean(known)) if len(known) == len(figures) else None
 
 
 def questions(texts: Sequence[str], per_call: int = PER_CALL) -> list[EstimateRarity]:

@@ -106,7 +106,7 @@ class Rarity(Data):
     calibration: RateCalibration | None = None
     """The calibration that was applied to all figures, if any."""
     unanswered_rates: int = Field(default=0, ge=0)
-    """Number of published rates left out of the calibration, since the model gave no estimate of them."""
+    """Number of rates left out of the calibration, since the model gave no figure for one of their wordings."""
     input_tokens: int = 0
     output_tokens: int = 0
     cost_usd: float | None = 0.0
@@ -120,10 +120,12 @@ class Rarity(Data):
             parts.append(f"not answered for {unanswered}")
         if self.unanswered_rates and self.calibration is None:
             parts.append(
-                f"not calibrated, as none of {self.unanswered_rates} published rates was answered"
+                f"not calibrated, as none of {self.unanswered_rates} rates has a figure for each wording"
             )
         elif self.unanswered_rates:
-            parts.append(f"not answered for {self.unanswered_rates} published rates")
+            parts.append(
+                f"{self.unanswered_rates} rates left out, without a figure for each wording"
+            )
         if tokens := self.input_tokens + self.output_tokens:
             cost = "cost not known" if self.cost_usd is None else _money(self.cost_usd)
             parts.append(f"{tokens:,} tokens, {cost}")

@@ -7,6 +7,7 @@ import pytest
 from oodscen import Metrics
 from oodscen.errors import ContentFiltered, LLMError
 from oodscen.metrics._rarity.asking import ask_rarity
+from oodscen.metrics._rarity.rates import PublishedRate
 from oodscen.protocols import Completion, Usage
 from oodscen.testing import ScriptedLLM
 from oodscen.testing._encoder import HashEncoder
@@ -120,6 +121,24 @@ def test_many_texts_are_asked_in_parts_and_keep_their_order():
     texts = [f"text {n / 10}" for n in range(45)]
     found = ask_rarity(ScriptedLLM(answer), texts, draws=1, per_call=7)
     assert [one.best for one in found.per_text] == [n / 10 for n in range(45)]
+
+
+@pytest.mark.parametrize("problem", ["impossible", "no driving", "not understood"])
+def test_a_rate_with_a_wording_that_the_model_flags_is_left_out(problem):
+    rates = [
+        PublishedRate(event=f"event {n}", km=(1e3, 1e4, 1e5), source="own", texts=("One.", "Two."))
+        for n in range(2)
+    ]
+
+    def answer(request):
+        if request.prompt.texts == tuple(TEXTS):
+            return good(request)
+        entries = [entry(number, 5.0) for number in range(1, 5)]
+        return {"estimates": [entry(1, None, problem), *entries[1:]]}
+
+    found = ask_rarity(ScriptedLLM(answer), TEXTS, anchors=rates, draws=1)
+    assert found.unanswered_rates == 1
+    assert found.calibration.anchors == 1
 
 
 def test_metrics_take_a_model():
