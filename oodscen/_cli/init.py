@@ -39,7 +39,7 @@ _EXAMPLES: Mapping[str, Any] = {
     "red-coverage": 0.9,
     "rarity": [1_000.0, 1_000_000.0],
     "baseline": "texts.txt",
-    "band": [0.3, 0.9],
+    "band": [-0.9, 0.0],
     "set": [10, 100],
     "chain": False,
     "twins": True,

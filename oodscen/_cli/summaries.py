@@ -27,6 +27,11 @@ def summary(info: dict[str, Any]) -> str:
     ]
     if not counts["paths"]:
         lines.append("no path is left to be shown, so there is no scene: pruned.jsonl tells why")
+    if outside := counts.get("outside_band"):
+        low, high = info["config"]["band"]
+        lines.append(
+            f"{outside} texts are not staged: their OOD-ness lies outside the band from {low} to {high}"
+        )
     if below := counts.get("below_floor"):
         lines.append(
             f"{below} scenes are not judged: at the decision their hazard is too small, faint, dark or hidden to "

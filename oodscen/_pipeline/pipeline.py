@@ -154,6 +154,7 @@ class Pipeline:
             scenes, episodes = simulate(run)
         with run.timed("evaluate"):
             verdicts = evaluate(run, episodes, scenarios, scenes)
+        outside = len(texts.scenarios) - len(scenarios)
         leaves = texts.simulatable.leaves
         finished = [episode for episode in episodes if episode.status == "ok"]
         return {
@@ -166,6 +167,7 @@ class Pipeline:
             "attested": sum(leaf.attested == "paper" for leaf in leaves),
             "texts": {str(size): len(scenarios) for size, scenarios in texts.sets.items()},
             "scenarios": len(scenarios),
+            **({"outside_band": outside} if outside else {}),
             "scenes": len(scenes),
             "episodes": sum(not episode.is_ordinary for episode in finished),
             "twins": sum(episode.is_twin for episode in finished),

@@ -13,6 +13,7 @@ from click.testing import CliRunner
 
 from oodscen import Study, make_llm
 from oodscen._cli import main
+from oodscen._cli.summaries import summary
 from oodscen._pipeline import estimate, run_study
 from oodscen._pipeline.context import Context
 from oodscen._pipeline.dropping import drop_models
@@ -279,6 +280,8 @@ def test_a_band_leaves_only_texts_inside_it(folder, tmp_path, study):
     kept = [s.id for s, v in zip(study.scenarios, values, strict=True) if v >= middle - 1e-6]
     assert [scene.id for scene in banded.scenes] == kept
     assert 0 < len(kept) < len(values)
+    outside = len(values) - len(kept)
+    assert f"{outside} texts are not staged: their OOD-ness lies outside" in summary(banded.info)
 
 
 @pytest.fixture(scope="module")
