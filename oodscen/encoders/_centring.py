@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen._paper import ATTESTED
-from oodscen.encoders._check import encode
+from oodscen.encoders._check import check_rows, encode
 from oodscen.protocols import Encoder
 
 Vector = NDArray[np.float64]
@@ -38,7 +38,9 @@ def label_rows(encoder: Encoder, labels: Sequence[str]) -> tuple[Vector, Vector]
         [n, d] unit rows, not centred; and [d], the centre to subtract.
 
     Raises:
-        EncoderError: If the encoder fails.
+        EncoderError: If the encoder fails, or gives a text another row than when it is alone.
     """
-    rows = unit_rows(encoder, [*labels, *(kind.name for kind in ATTESTED)])
+    texts = [*labels, *(kind.name for kind in ATTESTED)]
+    rows = unit_rows(encoder, texts)
+    check_rows(encoder, texts, rows.astype(np.float32))
     return rows[: len(labels)], rows.mean(axis=0)

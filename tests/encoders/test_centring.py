@@ -1,11 +1,13 @@
 """Labels are compared without what all of them share."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen._paper import ATTESTED
 from oodscen.encoders._centring import label_rows, unit_rows
+from oodscen.errors import EncoderError
 from oodscen.testing._encoder import HashEncoder
 
 ENCODER = HashEncoder()
@@ -33,3 +35,15 @@ def test_words_that_all_labels_share_bring_none_together():
     away = ~np.eye(len(texts), dtype=bool)
     assert raw[away].max() > 0.6
     assert centred[away].max() < raw[away].min()
+
+
+class Shuffled(HashEncoder):
+    """Gives the rows in the opposite order."""
+
+    def encode(self, texts):
+        return super().encode(texts)[::-1].copy()
+
+
+def test_rows_that_belong_to_other_texts_are_refused() -> None:
+    with pytest.raises(EncoderError, match="another vector than when it is alone"):
+        label_rows(Shuffled(64), ["a sofa", "a deer on the road"])
