@@ -230,5 +230,5 @@ def _worded(kind: Any) -> str:
     if kind is None or kind is NoneType:
         return "None"
     name = getattr(origin or kind, "__name__", str(kind)).lstrip("_").partition("[")[0]
-    plain = {"str": "text", "bool": "True or False", "Path": "a path"}
+    plain = {"str": "text", "bool": "True or False", "Path": "a path", "Sequence": "a list"}
     return plain.get(name, f"{'an' if name[0] in 'AEIOUaeiou' else 'a'} {name}")

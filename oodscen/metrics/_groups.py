@@ -9,6 +9,9 @@ from oodscen._numbers import said
 from oodscen.data._scenario import Scenario
 from oodscen.errors import UsageError
 
+_LARGEST = 10**4_300
+"""Bound of numbers that are labels, as Python writes no more digits."""
+
 
 def group_name(label: object) -> str:
     """Return the name of a group: a label, a number, or the labels of a path.
@@ -18,7 +21,7 @@ def group_name(label: object) -> str:
     """
     if isinstance(label, str):
         return label
-    if isinstance(label, Integral) and not isinstance(label, bool):
+    if isinstance(label, Integral) and not isinstance(label, bool) and abs(int(label)) < _LARGEST:
         return str(label)
     parts = list(label) if isinstance(label, Sequence | np.ndarray) else []
     if not parts or not all(isinstance(part, str) for part in parts):

@@ -46,7 +46,9 @@ from oodscen.metrics._variety import Variety, variety
 from oodscen.metrics._vectors.space import BaselineSpace
 from oodscen.protocols import LLM, Encoder
 
+# Quoted where `checked` would refuse what `check_texts` and `group_name` say more about.
 Texts = Sequence[str | Scenario]
+Groups = Sequence[str | int | Sequence[str]]
 
 
 class Metrics(Brief):
@@ -90,7 +92,8 @@ class Metrics(Brief):
         construct = partial(type(self), seed=self.seed, device=self._space.device)
         return construct, (self.encoder, baseline)
 
-    def oodness(self, texts: Texts, definition: Measure = "tabulated") -> Oodness:
+    @checked
+    def oodness(self, texts: "Texts", definition: Measure = "tabulated") -> Oodness:
         """Return the distance of texts from the baseline: `-max_i cos(e_b,i, e_o,j)` and its mean.
 
         Args:
@@ -104,12 +107,13 @@ class Metrics(Brief):
         """
         return oodness(self._space, check_texts(texts), paths_of(texts), definition)
 
+    @checked
     def rarity(
         self,
-        texts: Texts,
+        texts: "Texts",
         llm: LLM | None = None,
         *,
-        groups: Sequence[str | int | Sequence[str]] | None = None,
+        groups: "Groups | None" = None,
         anchors: Sequence[PublishedRate] | str | Path | None = None,
         draws: int = DRAWS,
     ) -> Rarity:
@@ -182,10 +186,11 @@ class Metrics(Brief):
         vectors = self._space.vectors(check_texts(texts))
         return diversity(vectors, self.encoder.name, paths_of(texts), seed=self.seed)
 
+    @checked
     def report(
         self,
-        texts: Texts,
-        groups: Sequence[str | int | Sequence[str]] | None = None,
+        texts: "Texts",
+        groups: "Groups | None" = None,
         *,
         definition: Measure = "tabulated",
         checks: bool = True,
@@ -218,7 +223,8 @@ class Metrics(Brief):
                 self._space, plain, clusters, definition, checks=checks, progress=report_progress
             )
 
-    def off_topic(self, texts: Texts, threshold: float = THRESHOLD) -> OffTopicFlags:
+    @checked
+    def off_topic(self, texts: "Texts", threshold: float = THRESHOLD) -> OffTopicFlags:
         """Return the texts that are not about driving a car; see `oodscen.metrics._detection.guard`.
 
         Args:
@@ -265,7 +271,7 @@ class Metrics(Brief):
     @checked
     def select(
         self,
-        texts: Texts,
+        texts: "Texts",
         n: int,
         *,
         low: float = -math.inf,
@@ -295,8 +301,9 @@ class Metrics(Brief):
         """Return further measures of variety; see `oodscen.metrics._variety`."""
         return variety(self._space, check_texts(texts))
 
+    @checked
     def distance(
-        self, a: Texts, b: Texts | None = None, *, size: int | None = None, repeats: int = 10
+        self, a: "Texts", b: "Texts | None" = None, *, size: int | None = None, repeats: int = 10
     ) -> SetDistance:
         """Return the distance between two sets as a whole, at equal size.
 
@@ -315,9 +322,10 @@ class Metrics(Brief):
         second = self._space.whole if b is None else self._space.vectors(check_texts(b, "set b"))
         return distance(self._space, first, second, size=size, repeats=repeats)
 
+    @checked
     def band(
         self,
-        texts: Texts,
+        texts: "Texts",
         low: float,
         high: float,
         *,
@@ -338,6 +346,7 @@ class Metrics(Brief):
         """
         return band(self._space, check_texts(texts), low, high, definition)
 
+    @checked
     def baseline_batch(
         self, size: int = 100, repeats: int = 10, *, definition: Definition = "tabulated"
     ) -> BaselineBatch:
@@ -356,6 +365,7 @@ class Metrics(Brief):
             )
         return baseline_batch(self._space, size, repeats, definition)
 
+    @checked
     def baseline_diversity(self, sample: int | None = None) -> Diversity:
         """Return the diversity of the baseline, by both definitions.
 
@@ -377,8 +387,9 @@ class Metrics(Brief):
             vectors = vectors[np.sort(chosen[:sample])]
         return diversity(vectors, self.encoder.name, seed=self.seed)
 
+    @checked
     def near_duplicates(
-        self, texts: Texts, threshold: float = 0.9, *, by_meaning: bool = False
+        self, texts: "Texts", threshold: float = 0.9, *, by_meaning: bool = False
     ) -> NearDuplicates:
         """Return the texts that resemble an earlier one.
 
@@ -416,8 +427,9 @@ class Metrics(Brief):
         """
         return write_embeddings(path, self.encoder, texts)
 
+    @checked
     def paper_table(
-        self, texts: Texts, *, sizes: Sequence[int] = SIZES, repeats: int = 10
+        self, texts: "Texts", *, sizes: Sequence[int] = SIZES, repeats: int = 10
     ) -> Table:
         """Return the paper's table: batches of the baseline, and random draws of the texts by size.
 
@@ -462,10 +474,11 @@ class Metrics(Brief):
         with anchored(anchors) as rates:
             return score_file(self, path, band=band, definition=definition, llm=llm, anchors=rates)
 
+    @checked
     def compare(
         self,
-        a: Texts,
-        b: Texts,
+        a: "Texts",
+        b: "Texts",
         *,
         size: int | None = None,
         repeats: int = 100,
@@ -517,9 +530,7 @@ def _as_baseline(
     return Baseline(texts=check_texts(baseline, Baseline.noun))
 
 
-def _clusters(
-    texts: Texts, groups: Sequence[str | int | Sequence[str]] | None
-) -> tuple[str, ...] | None:
+def _clusters(texts: Texts, groups: Groups | None) -> tuple[str, ...] | None:
     """Return the group of each text: the given one, or its path; `None` unless all have one.
 
     Raises:

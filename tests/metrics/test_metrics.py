@@ -185,9 +185,24 @@ def test_groups_may_be_paths_of_labels(groups):
 def test_groups_may_be_numbers_and_nothing_else():
     metrics = Metrics(ENCODER, ["b", "c"])
     assert set(metrics.report(["a", "d"], [1, np.int64(2)]).groups) == {"1", "2"}
-    for label in (None, True, 1.5, (), ("r", 2), {}):
+    for label in (None, True, 1.5, (), ("r", 2), {}, 10**5000):
         with pytest.raises(UsageError, match="each element of groups"):
             metrics.report(["a", "d"], ["p", label])
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda metrics: metrics.oodness(["a"], np.array(["tabulated", "printed"])),
+        lambda metrics: metrics.rarity(["a"], anchors=3),
+        lambda metrics: metrics.near_duplicates(["a"], by_meaning="no"),
+        lambda metrics: metrics.report(["a"], checks="no"),
+        lambda metrics: metrics.compare(["a"], ["b"], paired=np.array([True, False])),
+    ],
+)
+def test_arguments_of_other_kinds_are_named(call):
+    with pytest.raises(UsageError, match=r"must be|unknown"):
+        call(Metrics(ENCODER, ["b", "c"]))
 
 
 def test_groups_are_a_sequence_in_an_order():
