@@ -205,7 +205,9 @@ def writing(target: Path, kind: type[OodscenError] = OodscenError) -> Iterator[N
     try:
         yield
     except OSError as error:
-        raise kind(f"cannot write {target}: {error.strerror or error}") from None
+        is_broken = isinstance(error, FileExistsError) and not target.exists()
+        reason = "it is a broken link" if is_broken else error.strerror or error
+        raise kind(f"cannot write {target}: {reason}") from None
     except ValueError as error:  # A name with a null byte, or one that cannot be encoded.
         raise kind(f"cannot write {str(target)!r}: {error}") from None
 

@@ -9,14 +9,21 @@ import pytest
 from click.testing import CliRunner
 
 from oodscen._cli import main
-from oodscen._io.files import _part_name, read_regular, read_utf8, replace, temporary_folder
+from oodscen._io.files import (
+    _part_name,
+    read_regular,
+    read_utf8,
+    replace,
+    temporary_folder,
+    writing,
+)
 from oodscen._registry import make_catalogue, make_llm
 from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.baselines import load_baseline
 from oodscen.baselines._embedded import open_embeddings
 from oodscen.baselines._reading import read_records
 from oodscen.driving._roads.building import find_map
-from oodscen.errors import DataError, UsageError
+from oodscen.errors import DataError, OodscenError, UsageError
 from oodscen.llm._replay import RecordingLLM
 from oodscen.protocols import Image
 from oodscen.testing import ScriptedLLM
@@ -182,3 +189,10 @@ def test_parts_of_dead_writers_of_the_same_target_go_at_its_next_write(tmp_path)
     gone = {name for name, path in names.items() if not path.exists()}
     assert gone == {(dead.pid, target)}
     assert target.read_bytes() == b"new"
+
+
+def test_a_broken_link_in_place_of_a_folder_is_told(tmp_path):
+    link = tmp_path / "link"
+    link.symlink_to(tmp_path / "nowhere")
+    with pytest.raises(OodscenError, match="broken link"), writing(link):
+        link.mkdir(exist_ok=True)
