@@ -101,7 +101,7 @@ def wording_fault(text: str) -> str:
     else:
         if any(unicodedata.category(char) in ("Cc", "Cs", "Zl", "Zp") for char in text):
             return "contains line breaks, control characters or halves of characters"
-        if has_unseen(text):
+        if _has_unseen(text):
             return "contains characters that do not show or turn the direction of writing"
         shown = seen(text)
     if _MARKUP.search(shown) or ("&" in shown and html.unescape(shown) != shown):
@@ -115,15 +115,16 @@ def wording_fault(text: str) -> str:
 
 
 def is_left_out(text: str) -> bool:
-    """Return whether a text names nothing: a word for a missing value, or that nothing is unusual."""
+    """Return whether a text names nothing: punctuation, a word for a missing value, or that nothing is unusual."""
     plain = one_line(seen(text)).casefold()
-    return (plain.rstrip(" .,;:!?") or "...") in _PLACEHOLDERS
+    named = plain.rstrip(" .,;:!?")
+    return named in _PLACEHOLDERS or all(unicodedata.category(char)[0] in "PZ" for char in named)
 
 
 _PLACEHOLDERS = frozenset(
     {
         # with which models leave a member out
-        *("null", "none", "nil", "n/a", "undefined", "nothing", "no", "-", "..."),
+        *("null", "none", "nil", "n/a", "undefined", "nothing", "no"),
         # which readers of tables take for a missing value
         *("na", "nan", "-nan", "#na", "#n/a", "#n/a n/a", "<na>"),
         *("1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan"),
@@ -208,16 +209,24 @@ def _is_disguised(text: str) -> bool:
     )
 
 
-def has_unseen(text: str) -> bool:
-    """Return whether a text has invisible or turning characters; joiners between letters may stand."""
-    for index, char in enumerate(text):
-        if unicodedata.category(char) != "Cf":
-            continue
-        around = text[index - 1 : index] if index else "", text[index + 1 : index + 2]
-        is_joint = all(side and unicodedata.category(side)[0] in "LM" for side in around)
-        if char not in _JOINERS or not is_joint:
-            return True
-    return False
+def _has_unseen(text: str) -> bool:
+    """Return whether a text has characters that do not show by themselves.
+
+    Joiners between letters may stand, and one variation selector after each character that shows.
+    """
+    return any(
+        is_unseen(char) and not _shapes(before, char, after)
+        for before, char, after in zip(f" {text}", text, f"{text[1:]} ", strict=False)
+    )
+
+
+def _shapes(before: str, char: str, after: str) -> bool:
+    """Return whether a character that does not show shapes those around it."""
+    if _is_selector(char):
+        return not (before.isspace() or is_unseen(before))
+    return char in _JOINERS and all(
+        unicodedata.category(side)[0] in "LM" for side in before + after
+    )
 
 
 def seen(text: str) -> str:
@@ -229,5 +238,10 @@ def seen(text: str) -> str:
 
 def is_unseen(char: str) -> bool:
     """Return whether a character shows nothing by itself: joiners, fillers, variation selectors."""
-    is_selector = "\ufe00" <= char <= "\ufe0f" or "\U000e0100" <= char <= "\U000e01ef"
-    return char in BLANK or unicodedata.category(char) == "Cf" or is_selector or char == "\u034f"
+    is_filler = char in BLANK or char == "\u034f"
+    return is_filler or unicodedata.category(char) == "Cf" or _is_selector(char)
+
+
+def _is_selector(char: str) -> bool:
+    """Return whether a character is a variation selector, which chooses the form of the one before it."""
+    return "\ufe00" <= char <= "\ufe0f" or "\U000e0100" <= char <= "\U000e01ef"

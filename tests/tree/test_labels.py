@@ -46,6 +46,8 @@ PLAIN = (
     "شب\u200cگرد در جاده",
     "हिन्दी क\u094d\u200dष",
     "落石",
+    "⚠\ufe0f Sudden fog",
+    "葛\U000e0100の木",
 )
 PIECES = (
     "<b",
@@ -86,8 +88,14 @@ def test_invalid_labels_are_refused_in_a_short_line(label):
         ("Nothing is unusual.", "which names nothing"),
         ("none,", "which names nothing"),
         ("....", "which names nothing"),
+        ("—", "which names nothing"),
+        ("(--)", "which names nothing"),
         ("a\u2028b", "line breaks, control characters"),
         ("\u202egnp.exe", "do not show or turn the direction"),
+        ("Fog\u3164", "do not show"),
+        ("Fog\u034f", "do not show"),
+        ("Fog \ufe0f", "do not show"),
+        ("Fog\U000e0158\U000e0159", "do not show"),
         ("Fog &lt;b&gt;", "markup or code"),
         ("{{7*7}}", "markup or code"),
         ("F\u043eg", "mixes alphabets"),

@@ -75,7 +75,7 @@ def seen_label(label: str) -> str:
     words = sorted(_table()["unseen"]["words"], key=len, reverse=True)
     pattern = r"\b(?:" + "|".join(map(re.escape, words)) + r")\b,?"
     seen = " ".join(re.sub(pattern, " ", label, flags=re.IGNORECASE).split())
-    if not re.search(r"\w", seen) or is_left_out(seen):
+    if is_left_out(seen):
         return label
     return seen[:1].upper() + seen[1:]
 
