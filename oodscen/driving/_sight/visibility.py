@@ -23,6 +23,8 @@ _GRIDS = (6, 24, 96)
 """Numbers of sight lines per direction around a silhouette; a finer grid is for one that the others miss."""
 _LN_20 = 2.995732273553991
 """Number of extinction lengths over which contrast falls to 5 %: ln 20."""
+_NIGHT_DEG = -18.0
+"""Sun elevation at which twilight ends and below which no night looks darker, degrees."""
 NEAR_M = 0.1
 """Closest distance that a camera shows, m."""
 _CREST_SHARES = (0.2, 0.35, 0.5, 0.65, 0.8, 0.92)
@@ -42,12 +44,13 @@ def is_noticeable(weather: Weather, ordinary: Weather) -> bool:
     """Return whether a person would notice at a glance that two kinds of weather differ.
 
     This holds for half the visual range or less (below 1 km), other precipitation or three times as
-    much, night or dusk instead of day, a sun 15 degrees lower, 0.15 less friction, or half of the
-    sky more or less covered.
+    much, night or dusk instead of day, a sun 15 degrees lower before twilight ends, 0.15 less
+    friction, or half of the sky more or less covered.
     """
     near, far = sorted((weather.fog_visual_range_m, ordinary.fog_visual_range_m))
     little, much = sorted((weather.precipitation_mm_h, ordinary.precipitation_mm_h))
-    low, high = sorted((weather.sun_elevation_deg, ordinary.sun_elevation_deg))
+    suns = (weather.sun_elevation_deg, ordinary.sun_elevation_deg)
+    low, high = sorted(max(_NIGHT_DEG, sun) for sun in suns)
     return (
         (near < FOG_M and near <= 0.5 * far)
         or (weather.precipitation != ordinary.precipitation and much >= 0.5)
@@ -325,7 +328,7 @@ def hull(points: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
     """Return the convex hull of points (Andrew's monotone chain)."""
     ordered = sorted(set(points))
     if len(ordered) < 3:
-        return list(ordered)
+        return ordered
     chains: list[list[tuple[float, float]]] = []
     for sequence in (ordered, ordered[::-1]):
         chain: list[tuple[float, float]] = []

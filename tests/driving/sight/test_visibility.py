@@ -134,6 +134,11 @@ def test_weather_is_noticeable_where_a_person_would_say_so(fields, differs):
     assert is_noticeable(Weather(), Weather(**fields)) is differs
 
 
+@given(st.floats(-90.0, -18.0), st.floats(-90.0, -18.0))
+def test_nights_after_twilight_look_alike(one, other):
+    assert not is_noticeable(Weather(sun_elevation_deg=one), Weather(sun_elevation_deg=other))
+
+
 @given(
     st.sampled_from([("friction", 15), ("cloud_cover", 50)]),
     st.integers(5, 50),
