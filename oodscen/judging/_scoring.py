@@ -16,7 +16,6 @@ from oodscen.judging._aspects.opinions import (
     Opinion,
     ask_opinion,
     is_open,
-    opinion_id,
     rescore_verdict,
 )
 from oodscen.judging._items import Items
@@ -204,24 +203,21 @@ def is_scored(verdict: Verdict, key: AnswerKey, opinions: Mapping[str, Opinion])
     `opinions` are those of judges, by id.
     """
     fields = answers_in(verdict)
-    is_judged = is_open(verdict) and bool(verdict.judge)
-    if is_judged:
-        fields["is_ood"] = None
-    answers = GivenAnswers(verdict.model, fields, protocol=verdict.protocol)
-    scores = {"thing_is_right": None, "aspect_is_right": None} | _scores(key, answers)
-    if is_judged:
-        name = opinion_id(verdict.judge, verdict.aspect, key.path, key.visible)
-        opinion = opinions.get(name)
-        if opinion is None or opinion.is_same is None:
-            return False
-        scores |= {"thing_is_right": opinion.is_thing, "aspect_is_right": opinion.is_same}
-    if verdict.choice is None and verdict.choice_is_right is False:
+    if verdict.choice_is_right is False:
         # A person or a reference that chose none of the options is wrong.
-        scores["choice_is_right"] = False
-    if verdict.status == "ok":
-        scores["outcome"] = _answered(key, verdict.action)
-    scores["is_ordinary"] = is_ordinary(key.item)
-    return all(getattr(verdict, name) == value for name, value in scores.items())
+        fields.setdefault("choice", None)
+    answers = GivenAnswers(verdict.model, fields, protocol=verdict.protocol)
+    scored = rescore_verdict(
+        rescored(verdict, key, answers), key.path, opinions, verdict.judge, key.visible
+    )
+    return all(getattr(verdict, name) == getattr(scored, name) for name in _SCORES)
+
+
+_SCORES = (
+    *("thing_is_right", "aspect_is_right", "judge", "choice_is_right"),
+    *("action_is_safe", "action_is_marginal", "success", "outcome", "is_ordinary"),
+)
+"""Fields of a verdict that follow from its answers."""
 
 
 def _scores(key: AnswerKey, answers: GivenAnswers) -> dict[str, Any]:
