@@ -138,17 +138,12 @@ def score_answers(key: AnswerKey, answers: GivenAnswers, judge: LLM | None = Non
     error = answers.failures[0] if answers.failures else None
     verdict = Verdict(
         id=verdict_id(key.item, answers.answerer, answers.protocol),
-        scene_id=key.item,
-        model=answers.answerer,
-        kind=answers.kind,
         status="failed" if error else "ok",
         outcome=_outcome(error) if error else _answered(key, answers.fields.get("action")),
         error=redact(str(error))[:_LONGEST_ERROR] if error else None,
         error_type=type(error).__name__ if error else "",
         retryable=any(getattr(failure, "retryable", False) for failure in answers.failures),
-        protocol=answers.protocol,
-        is_ordinary=is_ordinary(key.item),
-        **answers.fields,
+        **_given(key, answers),
         **_scores(key, answers),
     )
     if judge is None or not is_open(verdict):
@@ -164,15 +159,7 @@ def rescored(verdict: Verdict, key: AnswerKey, answers: GivenAnswers) -> Verdict
     """
     if answers.kind == "reference":
         verdict = Verdict(**verdict.model_dump(include=_KEPT_OF_REFERENCES))
-    answered = {
-        "scene_id": key.item,
-        "model": answers.answerer,
-        "kind": answers.kind,
-        "protocol": answers.protocol,
-        "is_ordinary": is_ordinary(key.item),
-        **answers.fields,
-    }
-    verdict = verdict.model_copy(update=answered)
+    verdict = verdict.model_copy(update=_given(key, answers))
     scores = dict[str, Any]()
     if is_open(verdict):
         answers = replace(answers, fields={**answers.fields, "is_ood": None})
@@ -218,6 +205,18 @@ _SCORES = (
     *("action_is_safe", "action_is_marginal", "success", "outcome", "is_ordinary"),
 )
 """Fields of a verdict that follow from its answers."""
+
+
+def _given(key: AnswerKey, answers: GivenAnswers) -> dict[str, Any]:
+    """Return the verdict's fields about what was answered, by whom, and about which drive."""
+    return {
+        "scene_id": key.item,
+        "model": answers.answerer,
+        "kind": answers.kind,
+        "protocol": answers.protocol,
+        "is_ordinary": is_ordinary(key.item),
+        **answers.fields,
+    }
 
 
 def _scores(key: AnswerKey, answers: GivenAnswers) -> dict[str, Any]:
