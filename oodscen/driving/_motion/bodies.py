@@ -53,6 +53,23 @@ def clamp(value: float, low: float, high: float) -> float:
 
 
 @part
+def place_on(w: Situation, body: int, ahead: float, left: float) -> tuple[float, float]:
+    """Return x and y in the world of a place so many metres ahead of a body and to its left."""
+    sine, cosine = sincos(w.state[body, col.YAW])
+    x, y = w.state[body, col.X], w.state[body, col.Y]
+    return x + ahead * cosine - left * sine, y + ahead * sine + left * cosine
+
+
+@part
+def place_relative_to(w: Situation, body: int, i: int) -> tuple[float, float]:
+    """Return how far the actor in row `i` is ahead of a body and to its left, m."""
+    sine, cosine = sincos(w.state[body, col.YAW])
+    dx = w.state[i, col.X] - w.state[body, col.X]
+    dy = w.state[i, col.Y] - w.state[body, col.Y]
+    return dx * cosine + dy * sine, dy * cosine - dx * sine
+
+
+@part
 def drive_ego(w: Situation, acceleration: float, steering: float) -> None:
     """Move the ego by one step: a kinematic bicycle about its centre within a friction circle.
 

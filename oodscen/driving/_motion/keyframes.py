@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from oodscen.data._motion import EASE
 from oodscen.driving._motion import columns as col
-from oodscen.driving._motion.bodies import Situation
+from oodscen.driving._motion.bodies import Situation, place_on, place_relative_to
 from oodscen.driving._roads.track import centre, point
 from oodscen.numerics._exact import PI, atan2, quantised, sincos, wrapped
 from oodscen.numerics._kernels import part
@@ -39,6 +39,7 @@ WAITING, MOVING, FREE = 0.0, 1.0, 2.0
 _UPON_M = 0.3
 """Height above another body's box up to which a body stands on it, m."""
 _EASE = (EASE["time"], EASE["ego"])
+"""`EASE` by `TIME` and `DISTANCE`."""
 _MOVING_MPS = 0.2
 """Speed above which a body turns towards its way, m/s."""
 
@@ -88,7 +89,8 @@ def _limited_move(w: Situation, i: int, x: float, y: float) -> tuple[float, floa
     dx, dy = x - state[i, col.X], y - state[i, col.Y]
     carried_x, carried_y = 0.0, 0.0
     if w.codes[i, col.FRAME] == OTHER and state[i, ABOARD] == 1.0:
-        carried_x, carried_y = _place_on_other(w, i)
+        other, along, aside = w.codes[i, col.OTHER], state[i, HELD], state[i, HELD + 1]
+        carried_x, carried_y = place_on(w, other, along, aside)
         carried_x -= state[i, col.X]
         carried_y -= state[i, col.Y]
     own_x, own_y = dx - carried_x, dy - carried_y
@@ -113,7 +115,7 @@ def _argument(w: Situation, i: int, waited: float) -> float:
     argument = max(0.0, argument - traits[i, col.DELAY]) * traits[i, col.PACE]
     if w.codes[i, col.THEN] != REPEAT:
         return argument
-    ease = _EASE[0] if by == TIME else _EASE[1]
+    ease = _EASE[by]
     return 0.5 * argument * argument / ease if argument < ease else argument - 0.5 * ease
 
 
@@ -181,43 +183,24 @@ def _target(w: Situation, i: int, place: KeyPlace) -> tuple[float, float, float]
         sine, cosine = sincos(base)
         x = traits[i, col.APART_X] + ahead * cosine - left * sine
         return x, traits[i, col.APART_Y] + ahead * sine + left * cosine, base
-    other = 0
-    along, aside, askew = 0.0, 0.0, 0.0
     if frame == OTHER:
         other = w.codes[i, col.OTHER]
         along, aside = traits[i, col.APART_X], traits[i, col.APART_Y]
         askew = traits[i, col.APART_YAW]
     else:
+        other = 0
         if state[i, STAGE] == WAITING:
             _hold(w, i)
         along, aside, askew = state[i, HELD], state[i, HELD + 1], state[i, HELD + 2]
-    along += ahead
-    aside += left
-    sine, cosine = sincos(state[other, col.YAW])
-    x = state[other, col.X] + along * cosine - aside * sine
-    y = state[other, col.Y] + along * sine + aside * cosine
+    x, y = place_on(w, other, along + ahead, aside + left)
     return x, y, state[other, col.YAW] + askew
-
-
-@part
-def _place_on_other(w: Situation, i: int) -> tuple[float, float]:
-    """Return x and y now of the place at which an actor stood on another body, m."""
-    state, other = w.state, w.codes[i, col.OTHER]
-    sine, cosine = sincos(state[other, col.YAW])
-    along, aside = state[i, HELD], state[i, HELD + 1]
-    return (
-        state[other, col.X] + along * cosine - aside * sine,
-        state[other, col.Y] + along * sine + aside * cosine,
-    )
 
 
 @part
 def keep_place_on_other(w: Situation, i: int) -> None:
     """Keep an actor's place on another body; once it has left that one's box, it is carried no more."""
     state, traits, other = w.state, w.traits, w.codes[i, col.OTHER]
-    sine, cosine = sincos(state[other, col.YAW])
-    dx, dy = state[i, col.X] - state[other, col.X], state[i, col.Y] - state[other, col.Y]
-    along, aside = dx * cosine + dy * sine, dy * cosine - dx * sine
+    along, aside = place_relative_to(w, other, i)
     state[i, HELD], state[i, HELD + 1] = quantised(along), quantised(aside)
     top = state[other, col.LIFT] + traits[other, col.HEIGHT] + _UPON_M
     if (
@@ -247,10 +230,8 @@ def _comes_on(w: Situation, i: int, waited: float) -> bool:
 def _hold(w: Situation, i: int) -> None:
     """Keep an actor's pose relative to the ego."""
     state = w.state
-    sine, cosine = sincos(state[0, col.YAW])
-    dx, dy = state[i, col.X] - state[0, col.X], state[i, col.Y] - state[0, col.Y]
-    state[i, HELD] = quantised(dx * cosine + dy * sine)
-    state[i, HELD + 1] = quantised(dy * cosine - dx * sine)
+    along, aside = place_relative_to(w, 0, i)
+    state[i, HELD], state[i, HELD + 1] = quantised(along), quantised(aside)
     state[i, HELD + 2] = quantised(wrapped(state[i, COURSE] - state[0, col.YAW]))
 
 

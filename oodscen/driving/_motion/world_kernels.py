@@ -4,7 +4,7 @@ import math
 
 from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.behaviour_codes import Code
-from oodscen.driving._motion.bodies import GRAVITY, Situation
+from oodscen.driving._motion.bodies import GRAVITY, Situation, place_on
 from oodscen.driving._motion.keyframes import FREE, STAGE, follow_keys
 from oodscen.driving._motion.lane_keeping import (
     grip,
@@ -54,8 +54,7 @@ def _swing_open(w: Situation, i: int, waited: float) -> None:
     state = w.state
     side = 1.0 if w.traits[i, col.APART_Y] >= 0.0 else -1.0
     half = 0.5 * w.traits[i, col.LENGTH]
-    sine, cosine = sincos(state[i, col.YAW])
-    hinge_x, hinge_y = state[i, col.X] + half * cosine, state[i, col.Y] + half * sine
+    hinge_x, hinge_y = place_on(w, i, half, 0.0)
     swing = w.traits[i, col.ANGLE] * PI / 180.0 * smooth(waited / w.traits[i, col.DURATION])
     state[i, col.YAW] = quantised(wrapped(state[i, col.YAW] - side * swing))
     sine, cosine = sincos(state[i, col.YAW])
@@ -75,10 +74,8 @@ def _roll(w: Situation, i: int, distance: float) -> None:
 def _ride(w: Situation, i: int) -> None:
     """Keep a fixed pose relative to the body that the actor belongs to."""
     state, traits, other = w.state, w.traits, w.codes[i, col.OTHER]
-    sine, cosine = sincos(state[other, col.YAW])
-    ahead, aside = traits[i, col.APART_X], traits[i, col.APART_Y]
-    state[i, col.X] = quantised(state[other, col.X] + ahead * cosine - aside * sine)
-    state[i, col.Y] = quantised(state[other, col.Y] + ahead * sine + aside * cosine)
+    x, y = place_on(w, other, traits[i, col.APART_X], traits[i, col.APART_Y])
+    state[i, col.X], state[i, col.Y] = quantised(x), quantised(y)
     state[i, col.YAW] = quantised(wrapped(state[other, col.YAW] + traits[i, col.APART_YAW]))
     state[i, col.SPEED] = quantised(state[other, col.SPEED] * cos(traits[i, col.APART_YAW]))
 
@@ -87,9 +84,7 @@ def _ride(w: Situation, i: int) -> None:
 def _follow(w: Situation, i: int) -> None:
     """Follow the tail of another body without wheel slip: a tractrix."""
     state, other, pole = w.state, w.codes[i, col.OTHER], w.traits[i, col.POLE]
-    sine, cosine = sincos(state[other, col.YAW])
-    tail = 0.5 * w.traits[other, col.LENGTH]
-    hitch_x, hitch_y = state[other, col.X] - tail * cosine, state[other, col.Y] - tail * sine
+    hitch_x, hitch_y = place_on(w, other, -0.5 * w.traits[other, col.LENGTH], 0.0)
     dx, dy = hitch_x - state[i, col.X], hitch_y - state[i, col.Y]
     apart = math.sqrt(dx * dx + dy * dy)
     if abs(apart - pole) < _TAUT_M or apart < _NO_POLE_M:
