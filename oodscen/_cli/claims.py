@@ -24,10 +24,19 @@ from oodscen.data._base import Data, canonical_json
 from oodscen.errors import AnswerError, DataError, Issue, LLMError, UsageError
 
 if TYPE_CHECKING:
-    from oodscen.claims._faithfulness import Faithfulness, Unjudged
+    from oodscen.claims._faithfulness import Faithfulness
     from oodscen.data._scene import Scene
 
 Value = TypeVar("Value", bound=Data)
+
+
+class Unjudged(Data):
+    """A line of a file that could not be compared with a text."""
+
+    id: str
+    """Id of the scene, or the file and line number if the line holds no scene."""
+    faults: tuple[str, ...]
+    """Reasons why the line could not be compared."""
 
 
 @click.command("check-claims")
@@ -57,7 +66,7 @@ def check_claims(
     not checked. The exit code is 1 if there are any, or if a scene contradicts its text.
     """
     from oodscen import Scene, make_llm, make_simulator
-    from oodscen.claims._faithfulness import Faithfulness, Unjudged, compare_text
+    from oodscen.claims._faithfulness import Faithfulness, compare_text
     from oodscen.llm._accounting import Ledger
 
     refuse_idle_server(llm)
@@ -89,13 +98,12 @@ def check_claims(
     sys.exit(bool(_print(rows, as_json=as_json)))
 
 
-def _texts(path: Path) -> "tuple[dict[str, str], list[Unjudged]]":
+def _texts(path: Path) -> tuple[dict[str, str], list[Unjudged]]:
     """Return the texts of a file by id, and its malformed lines.
 
     Raises:
         UsageError: If two different texts have one id.
     """
-    from oodscen.claims._faithfulness import Unjudged
     from oodscen.data._scenario import Scenario
 
     texts: dict[str, str] = {}
@@ -131,7 +139,7 @@ def _distinct_scenes(path: Path) -> "list[tuple[int, Scene | tuple[str, ...]]]":
 
 def _print(rows: "Sequence[Faithfulness | Unjudged]", *, as_json: bool) -> int:
     """Print the rows, and return the number of scenes that are unfaithful or could not be checked."""
-    from oodscen.claims._faithfulness import Faithfulness, Unjudged
+    from oodscen.claims._faithfulness import Faithfulness
 
     judged = [row for row in rows if isinstance(row, Faithfulness)]
     unjudged = [row for row in rows if isinstance(row, Unjudged)]

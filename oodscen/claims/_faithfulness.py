@@ -1,7 +1,5 @@
 """Faithfulness of scenes to texts, for scenes and texts of any author."""
 
-from typing import ClassVar
-
 from oodscen.claims._checking import check_claims
 from oodscen.claims._findings import ClaimFinding
 from oodscen.claims._matching import likeness_of
@@ -31,17 +29,6 @@ class Faithfulness(Data):
     def is_faithful(self) -> bool:
         """True if the scene contradicts no claim of the text."""
         return not self.mismatches
-
-
-class Unjudged(Data):
-    """A line of a file that could not be compared with a text."""
-
-    noun: ClassVar[str] = "unjudged scene"
-
-    id: str
-    """Id of the scene, or the file and line number if the line holds no scene."""
-    faults: tuple[str, ...]
-    """Reasons why the line could not be compared."""
 
 
 def extract_claims(llm: LLM, text: str, *, attempts: int = ATTEMPTS) -> tuple[Claim, ...]:
@@ -74,7 +61,8 @@ def compare_text(
         text: The text that the scene should show.
         scene: A scene without faults by `Scene.check`.
         catalogue: The catalogue of the scene's simulator.
-        encoder: Compares the things of the text with the actors that the scene says stand for them.
+        encoder: Compares the things of the text with the actors that the scene says stand for them; without one, a
+            noun that no asset is known by may be any of them.
 
     Raises:
         AnswerError: If the claims cannot be read; the error lists the faults.
