@@ -193,20 +193,16 @@ def _is_disguised(text: str) -> bool:
     """Return whether a word mixes alphabets, or is a look-alike of a Latin word among Latin words."""
     foreign, is_latin = [], False
     for word in _WORD.findall(text):
-        if any(
-            unicodedata.name(char, "").startswith("LATIN LETTER SMALL CAPITAL") for char in word
-        ):
+        names = [unicodedata.name(char, "") for char in word]
+        scripts = {name.partition(" ")[0] for name in names} & _ALPHABETS
+        is_small = any(name.startswith("LATIN LETTER SMALL CAPITAL") for name in names)
+        if is_small or len(scripts) > 1:
             return True
-        scripts = {unicodedata.name(char, "").partition(" ")[0] for char in word} & _ALPHABETS
-        if len(scripts) > 1:
-            return True
-        is_latin |= scripts == {"LATIN"}
-        foreign += [word] if scripts - {"LATIN"} else []
-    return (
-        is_latin
-        and bool(foreign)
-        and all(word.translate(_LOOKALIKES).isascii() for word in foreign)
-    )
+        if scripts == {"LATIN"}:
+            is_latin = True
+        elif scripts:
+            foreign.append(word.translate(_LOOKALIKES))
+    return is_latin and bool(foreign) and all(map(str.isascii, foreign))
 
 
 def _has_unseen(text: str) -> bool:
