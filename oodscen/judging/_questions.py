@@ -83,12 +83,12 @@ class ShownDrive:
         episode: Episode,
         frames: Mapping[str, Image],
         *,
-        is_present: bool = True,
+        shows_decision: bool = True,
         rear: Image | None = None,
     ) -> Self:
         """Return the frames of an episode, by moment, with what it records of speed, times and follower.
 
-        `is_present` is true if the last frame shows the decision; `rear` is the view from the rear window then.
+        `shows_decision` is true if the last frame shows the decision; `rear` is the view from the rear window at it.
         """
         order = in_order(frames)
         has_times = all(moment in episode.frame_times_s for moment in order)
@@ -96,7 +96,7 @@ class ShownDrive:
         facts = DriveFacts(
             times_s=tuple(episode.frame_times_s[moment] for moment in order) if has_times else (),
             ego_speed_mps=episode.ego_speed_mps,
-            is_present=is_present,
+            shows_decision=shows_decision,
             behind=_behind(episode),
             gap_m=follower.gap_m if follower else 0.0,
             follower_speed_mps=follower.speed_mps if follower else 0.0,

@@ -134,7 +134,7 @@ def evaluate(
     interview = _Interview(vlm, protocol, is_chain=is_paper or (chain and not withheld))
     images = {moment: _as_image(frame, episode, moment) for moment, frame in frames.items()}
     behind = None if rear is None else _as_image(rear, episode, "rear")
-    shown = ShownDrive.of(episode, images, is_present=not is_paper, rear=behind)
+    shown = ShownDrive.of(episode, images, shows_decision=not is_paper, rear=behind)
     if withheld:
         shown = shown.without_pictures()
     if not is_paper:

@@ -71,7 +71,7 @@ FRAMES = tuple(Image(name=f"{name}.jpg", sha256=f"{name:0<64}") for name in ("a"
 FACTS = DriveFacts(
     times_s=(0.0, 1.5, 3.0),
     ego_speed_mps=13.9,
-    is_present=False,
+    shows_decision=False,
     behind="a lorry",
     gap_m=9.5,
     follower_speed_mps=14.2,

@@ -18,8 +18,8 @@ class DriveFacts(Data):
     times_s: tuple[float, ...] = ()
     """Time of every frame since the start of the drive, s."""
     ego_speed_mps: float | None = None
-    is_present: bool = True
-    """True if the speed is that at the last frame; otherwise that at the moment of the decision."""
+    shows_decision: bool = True
+    """True if the last frame shows the decision, the moment of the speed."""
     behind: str | None = None
     """The vehicle that follows close behind, with its article; empty if there is none, `None` if unknown."""
     gap_m: float = 0.0
@@ -28,7 +28,7 @@ class DriveFacts(Data):
     @property
     def when(self) -> str:
         """The moment of the speed, in words."""
-        return "In the last frame" if self.is_present else "At the moment of the decision"
+        return "In the last frame" if self.shows_decision else "At the moment of the decision"
 
 
 _REAR = (
