@@ -21,8 +21,9 @@ from oodscen.driving._frames import own_frame
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import DRIVABLE, Corridor
 from oodscen.driving._roads.projection import places
+from oodscen.driving._sight.outlines import area, clipped
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies
-from oodscen.driving._sight.visibility import Eye, UprightBox, area, clipped
+from oodscen.driving._sight.visibility import Eye, UprightBox
 from oodscen.errors import MissingExtra, SimulatorError, UsageError
 from oodscen.numerics._exact import wrapped
 from oodscen.protocols import Camera, Frame, State, camera_for

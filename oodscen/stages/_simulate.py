@@ -32,7 +32,8 @@ from oodscen.driving._exclusive import exclusive
 from oodscen.driving._motion.actions import Cruise
 from oodscen.driving._motion.triggers import MAX_APPROACH_S, is_due
 from oodscen.driving._roads.building import load_corridor
-from oodscen.driving._sight.visibility import is_noticeable, least_area
+from oodscen.driving._sight.visibility import least_area
+from oodscen.driving._sight.weather import is_noticeable
 from oodscen.driving._trace import Course, Trace, concatenate
 from oodscen.errors import MissingExtra, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Control, Frame, Simulator, State, camera_for

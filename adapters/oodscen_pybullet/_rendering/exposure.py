@@ -6,7 +6,7 @@ import numpy as np
 
 from oodscen._seeding import stream
 from oodscen.data._scene import Weather
-from oodscen.driving._sight.visibility import extinction
+from oodscen.driving._sight.weather import extinction
 from oodscen.numerics._kernels import is_compiled
 from oodscen_pybullet._lighting.lamps import camera_row, ground_light
 from oodscen_pybullet._lighting.light import Light

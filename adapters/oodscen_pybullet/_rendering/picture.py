@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from oodscen.driving._sight.visibility import extinction
+from oodscen.driving._sight.weather import extinction
 from oodscen.numerics._kernels import is_compiled
 from oodscen_pybullet._lighting.glows import add_glare, add_glows
 from oodscen_pybullet._lighting.reflections import add_reflections, grazing_depth

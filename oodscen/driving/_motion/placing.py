@@ -21,7 +21,7 @@ from oodscen.driving._motion.lane_keeping import grip
 from oodscen.driving._motion.triggers import CODES
 from oodscen.driving._roads.corridor import Corridor, ego_strip, neighbour_strip
 from oodscen.driving._roads.track import for_kernels
-from oodscen.driving._sight.visibility import visual_range
+from oodscen.driving._sight.weather import visual_range
 from oodscen.numerics._exact import PI, TAU, cos, quantised, sincos, wrapped
 from oodscen.numerics._kernels import seen
 

@@ -6,8 +6,10 @@ from typing import NamedTuple
 from oodscen.data._scene import Scene
 from oodscen.data._sighting import Sighting, apparent_size
 from oodscen.driving._roads.corridor import Corridor
+from oodscen.driving._sight.outlines import area, clipped
 from oodscen.driving._sight.scene_checks import PlacedBody
-from oodscen.driving._sight.visibility import Eye, Sight, area, clipped, visual_range
+from oodscen.driving._sight.visibility import Eye, Sight
+from oodscen.driving._sight.weather import visual_range
 from oodscen.protocols import Camera
 
 SCALE_PX = 480.0

@@ -14,7 +14,8 @@ from oodscen.data._scene import Scene
 from oodscen.driving._motion.behaviours import having
 from oodscen.driving._motion.boxes import Footprint, gap, radius
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.driving._sight.visibility import Eye, UprightBox, is_noticeable
+from oodscen.driving._sight.visibility import Eye, UprightBox
+from oodscen.driving._sight.weather import is_noticeable
 from oodscen.errors import Issue, SceneError
 from oodscen.protocols import Camera
 

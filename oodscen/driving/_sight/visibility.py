@@ -1,15 +1,15 @@
-"""Visibility from a camera on the ego, computed from boxes, road and air without rendering."""
+"""Visibility of boxes from a camera on the ego, computed without rendering."""
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import NamedTuple, assert_never
+from typing import NamedTuple
 
-from oodscen.data._base import ROUNDING
-from oodscen.data._scene import CLEAR_AIR_M, FOG_M, Weather
+from oodscen.data._scene import Weather
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.numerics._exact import power
+from oodscen.driving._sight.outlines import Outline, Pixel, area, clipped, hull
+from oodscen.driving._sight.weather import visual_range
 from oodscen.protocols import Camera
 
 LEAST_AREA_PX = 60.0
@@ -21,10 +21,6 @@ MOST_HIDDEN = 0.8
 
 _GRIDS = (6, 24, 96)
 """Numbers of sight lines per direction around a silhouette; a finer grid is for one that the others miss."""
-_LN_20 = 2.995732273553991
-"""Number of extinction lengths over which contrast falls to 5 %: ln 20."""
-_NIGHT_DEG = -18.0
-"""Sun elevation at which twilight ends and below which no night looks darker, degrees."""
 NEAR_M = 0.1
 """Closest distance that a camera shows, m."""
 _CREST_SHARES = (0.2, 0.35, 0.5, 0.65, 0.8, 0.92)
@@ -38,49 +34,6 @@ _PARALLEL = 1e-12
 """Component of a ray below which it does not meet the faces across that axis."""
 
 Point = tuple[float, float, float]
-
-
-def is_noticeable(weather: Weather, ordinary: Weather) -> bool:
-    """Return whether a person would notice at a glance that two kinds of weather differ.
-
-    This holds for half the visual range or less (below 1 km), other precipitation or three times as
-    much, night or dusk instead of day, a sun 15 degrees lower before twilight ends, 0.15 less
-    friction, or half of the sky more or less covered.
-    """
-    near, far = sorted((weather.fog_visual_range_m, ordinary.fog_visual_range_m))
-    little, much = sorted((weather.precipitation_mm_h, ordinary.precipitation_mm_h))
-    suns = (weather.sun_elevation_deg, ordinary.sun_elevation_deg)
-    low, high = sorted(max(_NIGHT_DEG, sun) for sun in suns)
-    return (
-        (near < FOG_M and near <= 0.5 * far)
-        or (weather.precipitation != ordinary.precipitation and much >= 0.5)
-        or (much >= 2.0 and much >= 3.0 * little - ROUNDING)
-        or high - low >= 15.0 - ROUNDING
-        or (low < 8.0 <= high and high - low >= 8.0 - ROUNDING)
-        or abs(weather.friction - ordinary.friction) >= 0.15 - ROUNDING
-        or abs(weather.cloud_cover - ordinary.cloud_cover) >= 0.5 - ROUNDING
-    )
-
-
-def extinction(weather: Weather) -> float:
-    """Return the extinction coefficient, 1/m: fog (Koschmieder) plus rain or snow."""
-    fog, intensity = weather.fog_visual_range_m, weather.precipitation_mm_h
-    rate = _LN_20 / fog if fog < CLEAR_AIR_M else 0.0
-    match weather.precipitation:
-        case "none":
-            return rate
-        case "rain":
-            return rate + 0.0011 * power(intensity, 0.67)
-        case "snow":
-            return rate + 0.0085 * power(intensity, 0.6)
-        case kind:
-            assert_never(kind)
-
-
-def visual_range(weather: Weather) -> float:
-    """Return the distance at which contrast falls to 5 % in fog, rain and snow together, m."""
-    rate = extinction(weather)
-    return min(CLEAR_AIR_M, _LN_20 / rate) if rate > 0.0 else CLEAR_AIR_M
 
 
 @dataclass(frozen=True)
@@ -179,7 +132,7 @@ class Eye:
         )
         return across, below, ahead
 
-    def silhouette(self, body: UprightBox) -> list[tuple[float, float]]:
+    def silhouette(self, body: UprightBox) -> list[Pixel]:
         """Return the outline of a box in the picture plane, not clipped; empty behind the camera."""
         corners = [self.to_camera(corner) for corner in body.corners()]
         points = [corner for corner in corners if corner[2] >= NEAR_M]
@@ -216,7 +169,7 @@ class Eye:
     def _hidden(
         self,
         body: UprightBox,
-        shown: Sequence[tuple[float, float]],
+        shown: Outline,
         others: Sequence[UprightBox],
         road: Corridor | None,
     ) -> float:
@@ -233,9 +186,7 @@ class Eye:
         ]
         return sum(blocked) / len(blocked) if blocked else 1.0
 
-    def _sight_lines(
-        self, own: "_Faces", shown: Sequence[tuple[float, float]]
-    ) -> list[tuple[Point, float]]:
+    def _sight_lines(self, own: "_Faces", shown: Outline) -> list[tuple[Point, float]]:
         """Return rays to a body and the distances along them, from a grid fine enough to meet its silhouette."""
         left, right = min(u for u, _ in shown), max(u for u, _ in shown)
         top, bottom = min(v for _, v in shown), max(v for _, v in shown)
@@ -322,50 +273,3 @@ def _is_behind_crest(origin: Point, ray: Point, hit: float, road: Corridor) -> b
         if z < road.point(s, t)[2] - _CREST_M:
             return True
     return False
-
-
-def hull(points: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Return the convex hull of points (Andrew's monotone chain)."""
-    ordered = sorted(set(points))
-    if len(ordered) < 3:
-        return ordered
-    chains: list[list[tuple[float, float]]] = []
-    for sequence in (ordered, ordered[::-1]):
-        chain: list[tuple[float, float]] = []
-        for point in sequence:
-            while len(chain) > 1 and _turn(chain[-2], chain[-1], point) <= 0.0:
-                chain.pop()
-            chain.append(point)
-        chains.append(chain[:-1])
-    return chains[0] + chains[1]
-
-
-def area(outline: Sequence[tuple[float, float]]) -> float:
-    """Return the area of a polygon."""
-    total = 0.0
-    for (x0, y0), (x1, y1) in zip(outline, [*outline[1:], *outline[:1]], strict=True):
-        total += x0 * y1 - x1 * y0
-    return 0.5 * abs(total)
-
-
-def clipped(
-    outline: Sequence[tuple[float, float]], width: float, height: float
-) -> list[tuple[float, float]]:
-    """Return the part of a convex polygon inside a picture (Sutherland and Hodgman, 1974)."""
-    shown = list(outline)
-    for axis, limit, sign in ((0, 0.0, 1.0), (0, width, -1.0), (1, 0.0, 1.0), (1, height, -1.0)):
-        before, shown = shown, []
-        for index, point in enumerate(before):
-            last = before[index - 1]
-            a, b = sign * (last[axis] - limit), sign * (point[axis] - limit)
-            if (a >= 0.0) != (b >= 0.0):
-                f = a / (a - b)
-                cut = (last[0] + f * (point[0] - last[0]), last[1] + f * (point[1] - last[1]))
-                shown.append(cut)
-            if b >= 0.0:
-                shown.append(point)
-    return shown
-
-
-def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

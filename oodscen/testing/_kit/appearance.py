@@ -6,8 +6,9 @@ import numpy as np
 
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import CLEAR_AIR_M, Scene, Weather
+from oodscen.driving._sight.outlines import area, clipped
 from oodscen.driving._sight.scene_checks import bodies
-from oodscen.driving._sight.visibility import Eye, area, clipped
+from oodscen.driving._sight.visibility import Eye
 from oodscen.errors import OodscenError
 from oodscen.protocols import Frame
 from oodscen.testing._kit.findings import NotApplicable

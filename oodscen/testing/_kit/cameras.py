@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from oodscen.driving._flat_frame import tangents
+from oodscen.driving._sight.outlines import area, clipped
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies
-from oodscen.driving._sight.visibility import Eye, area, clipped
+from oodscen.driving._sight.visibility import Eye
 from oodscen.protocols import Camera, Control, Frame
 from oodscen.testing._kit.findings import NotApplicable
 from oodscen.testing._kit.probe import Probe

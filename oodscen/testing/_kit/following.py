@@ -10,8 +10,9 @@ from oodscen.data._scene import Scene, Trigger
 from oodscen.driving._flat_frame import tangents
 from oodscen.driving._motion.behaviours import DRIVES_IN_LANE
 from oodscen.driving._motion.triggers import ROUNDING_S
+from oodscen.driving._sight.outlines import area
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies
-from oodscen.driving._sight.visibility import Eye, area
+from oodscen.driving._sight.visibility import Eye
 from oodscen.driving._staged_scene import StagedScene
 from oodscen.protocols import Camera, Control, Frame, State
 from oodscen.testing._kit.probe import Probe

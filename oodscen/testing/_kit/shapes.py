@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._scene import Scene
+from oodscen.driving._sight.outlines import area, clipped
 from oodscen.driving._sight.scene_checks import PlacedBody
-from oodscen.driving._sight.visibility import Eye, UprightBox, area, clipped
+from oodscen.driving._sight.visibility import Eye, UprightBox
 from oodscen.protocols import Camera, Frame, State
 
 INSIDE = 0.9

@@ -10,16 +10,7 @@ from hypothesis import strategies as st
 
 from oodscen.data._scene import Weather
 from oodscen.driving._roads.building import load_corridor
-from oodscen.driving._sight.visibility import (
-    LEAST_AREA_PX,
-    Eye,
-    UprightBox,
-    area,
-    clipped,
-    hull,
-    is_noticeable,
-    visual_range,
-)
+from oodscen.driving._sight.visibility import LEAST_AREA_PX, Eye, UprightBox
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.protocols import Camera
 from oodscen.testing._flat import FlatSimulator
@@ -27,19 +18,10 @@ from tests.driving.staging import actor, scene
 
 CAMERA = Camera()
 EGO = UprightBox(0, 0, 0, 0, 4.5, 1.85, 1.5)
-points = st.lists(st.tuples(st.floats(-900, 900), st.floats(-900, 900)), min_size=3, max_size=12)
 
 
 def car(x, y=0.0, yaw=0.0, height=1.5):
     return UprightBox(x, y, 0.0, yaw, 4.3, 1.8, height)
-
-
-@given(points)
-def test_clipping_keeps_what_is_inside(outline):
-    whole = hull(outline)
-    shown = clipped(whole, 640, 480)
-    assert area(shown) <= min(area(whole), 640 * 480) * (1 + 1e-9) + 1e-6
-    assert all(-1e-6 <= u <= 640 + 1e-6 and -1e-6 <= v <= 480 + 1e-6 for u, v in shown)
 
 
 @pytest.mark.parametrize(
@@ -107,48 +89,6 @@ def test_a_crest_hides_what_lies_beyond_it(on_m, hidden):
     box = UprightBox(*corridor.point(crest + on_m, -1.5), 1.0, 1.0, 0.5)
     assert eye.see(box, (), corridor).hidden == (1.0 if hidden else 0.0)
     assert eye.see(box, ()).hidden == 0.0
-
-
-@given(st.floats(20, 9000), st.sampled_from(["rain", "snow"]), st.floats(0.5, 60))
-def test_rain_and_snow_only_shorten_the_visual_range(fog, kind, intensity):
-    dry = Weather(fog_visual_range_m=fog)
-    wet = Weather(fog_visual_range_m=fog, precipitation=kind, precipitation_mm_h=intensity)
-    assert visual_range(wet) < visual_range(dry) == pytest.approx(fog, rel=1e-3)
-    assert visual_range(Weather()) == 10_000.0
-
-
-@pytest.mark.parametrize(
-    ("fields", "differs"),
-    [
-        ({}, False),
-        ({"sun_elevation_deg": 40.0, "cloud_cover": 0.3}, False),
-        ({"fog_visual_range_m": 5000.0}, False),
-        ({"fog_visual_range_m": 60.0}, True),
-        ({"sun_elevation_deg": -20.0}, True),
-        ({"precipitation": "rain", "precipitation_mm_h": 5.0}, True),
-        ({"friction": 0.2}, True),
-    ],
-)
-def test_weather_is_noticeable_where_a_person_would_say_so(fields, differs):
-    assert is_noticeable(Weather(**fields), Weather()) is differs
-    assert is_noticeable(Weather(), Weather(**fields)) is differs
-
-
-@given(st.floats(-90.0, -18.0), st.floats(-90.0, -18.0))
-def test_nights_after_twilight_look_alike(one, other):
-    assert not is_noticeable(Weather(sun_elevation_deg=one), Weather(sun_elevation_deg=other))
-
-
-@given(
-    st.sampled_from([("friction", 15), ("cloud_cover", 50)]),
-    st.integers(5, 50),
-)
-@example(("friction", 15), 80)
-@example(("cloud_cover", 50), 20)
-def test_a_difference_at_its_limit_is_noticeable(field, hundredths):
-    name, limit = field
-    less, more = (Weather(**{name: share / 100}) for share in (hundredths, hundredths + limit))
-    assert is_noticeable(less, more)
 
 
 def test_sight_lines_meet_the_picture():

@@ -9,7 +9,7 @@ from oodscen_pybullet._rendering.sky import clear_sky
 from oodscen_pybullet._rendering.view import CameraView
 
 from oodscen.data._scene import Weather
-from oodscen.driving._sight.visibility import extinction
+from oodscen.driving._sight.weather import extinction
 from oodscen.protocols import Camera
 
 VIEW = CameraView.of(Camera(width=160, height=120), (0.0, 0.0, 0.0, 0.0))
