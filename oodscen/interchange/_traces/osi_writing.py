@@ -10,6 +10,8 @@ from oodscen._numbers import seed_number
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._reactions import NOMINAL_REACTION_S
 from oodscen.data._scene import Scene
+from oodscen.driving._roads.building import load_corridor
+from oodscen.driving._roads.corridor import Corridor
 from oodscen.errors import UnknownComponent
 from oodscen.interchange._moving import moving
 from oodscen.interchange._recording import RecordedRun, replayed
@@ -22,6 +24,7 @@ from oodscen.interchange._traces.wire import (
 )
 from oodscen.interchange._writing.entities import Entity, entities
 from oodscen.interchange._writing.roads import road_file
+from oodscen.interchange._writing.trajectories import reference_poses
 from oodscen.numerics._exact import Floats
 from oodscen.protocols import Simulator
 
@@ -64,17 +67,21 @@ def osi_trace(
     seed_number(seed)
     with moving(simulator, catalogue) as world:
         run = replayed(scene, world, action, seed, reaction_s)
-    messages = _messages(run, entities(scene, catalogue))
+    corridor = load_corridor(scene.map, catalogue)
+    messages = _messages(run, entities(scene, catalogue), corridor)
     if container == "mcap":
         return mcap_trace(messages, road_file(scene, catalogue))
     return b"".join(struct.pack("<I", len(truth)) + truth for _, truth in messages)
 
 
-def _messages(run: RecordedRun, bodies: Sequence[Entity]) -> Iterator[tuple[int, bytes]]:
+def _messages(
+    run: RecordedRun, bodies: Sequence[Entity], corridor: Corridor
+) -> Iterator[tuple[int, bytes]]:
     """Yield time in ns and ground truth of every step."""
     constant = [_constant_fields(row, body) for row, body in enumerate(bodies)]
     velocities = run.velocities
     accelerations = run.rates(velocities)
+    pitches = [reference_poses(run, row, body, corridor)[:, 4] for row, body in enumerate(bodies)]
     parts = enumerate(_VERSION, start=1)
     version = message_field(1, b"".join(number_field(number, part) for number, part in parts))
     host = message_field(3, number_field(1, 0))
@@ -84,7 +91,8 @@ def _messages(run: RecordedRun, bodies: Sequence[Entity]) -> Iterator[tuple[int,
         truth = version + message_field(2, stamp) + host
         for row, body in enumerate(bodies):
             pose, velocity = run.poses[step, row], velocities[step, row]
-            base = _base(body.asset, pose, velocity, accelerations[step, row])
+            pitch = float(pitches[row][step])
+            base = _base(body.asset, pose, pitch, velocity, accelerations[step, row])
             truth += message_field(5, constant[row] + message_field(2, base))
         yield time_ns, truth
 
@@ -100,14 +108,16 @@ def _constant_fields(row: int, body: Entity) -> bytes:
     return fields + message_field(10, reference)
 
 
-def _base(asset: Asset, pose: Floats, velocity: Floats, acceleration: Floats) -> bytes:
+def _base(
+    asset: Asset, pose: Floats, pitch: float, velocity: Floats, acceleration: Floats
+) -> bytes:
     """Return size, pose, velocity and acceleration; OSI's position is the centre of the box."""
     x, y, z, heading = map(float, pose)
     yaw = math.remainder(heading, math.tau)
     return (
         vector_field(1, asset.length, asset.width, asset.height)
         + vector_field(2, x, y, z + 0.5 * asset.height)
-        + vector_field(3, 0.0, 0.0, yaw)
+        + vector_field(3, 0.0, pitch, yaw)
         + vector_field(4, *velocity.tolist())
         + vector_field(5, *acceleration.tolist())
     )

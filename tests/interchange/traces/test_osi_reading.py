@@ -1,5 +1,6 @@
 """OSI traces: read by the wire format, or refused in plain words."""
 
+import math
 import re
 import struct
 from functools import cache
@@ -8,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.data import Trigger
+from oodscen.data import Actor, Placement, Trigger
 from oodscen.errors import DataError
 from oodscen.interchange._traces.osi_reading import read_osi_trace
 from oodscen.interchange._traces.osi_writing import osi_trace
@@ -103,6 +104,39 @@ def test_a_changed_trace_is_read_or_refused_in_plain_words(data):
 def test_a_file_of_zeros_is_refused_at_its_first_byte():
     with pytest.raises(DataError, match="byte 0: the message is empty"):
         list(read_osi_trace(bytes(1_000), "run.osi"))
+
+
+def test_a_vehicle_on_a_slope_has_the_pitch_of_its_course():
+    """It goes along its own axis, nose up as its height grows; a body without a rear axle stays level."""
+    walker = next(asset.id for asset in catalogue().assets if asset.category == "pedestrian")
+    actors = tuple(
+        Actor(id=name, asset=name, placement=Placement(ahead_m=ahead))
+        for name, ahead in (("car", 140.0), (walker, 160.0))
+    )
+    hill = {"map": "rural_hill", "actors": actors, "decision": Trigger(value=6.0)}
+    data = osi_trace(SCENES[0].model_copy(update=hill), catalogue(), action="stop")
+    pitches = []
+    for message in messages(data):
+        ego, car, person = (inner_fields(fields_of(one), 2) for one in fields_of(message)[MOVING])
+        rise = double(inner_fields(ego, 4), 3)
+        length_mps = math.dist(
+            (0.0,) * 3, [double(inner_fields(ego, 4), axis) for axis in (1, 2, 3)]
+        )
+        pitch = double(inner_fields(ego, 3), 2)
+        if length_mps > 1.0:
+            assert math.sin(-pitch) == pytest.approx(rise / length_mps, abs=0.01)
+        assert double(inner_fields(car, 3), 2) != 0.0
+        assert double(inner_fields(person, 3), 2) == 0.0
+        pitches.append(pitch)
+    assert min(pitches) < -0.03
+
+
+def messages(data):
+    """Yield the messages of a trace."""
+    while data:
+        (size,) = struct.unpack_from("<I", data)
+        yield data[4 : 4 + size]
+        data = data[4 + size :]
 
 
 def test_a_run_that_ends_at_its_start_has_one_moment(tmp_path):
