@@ -57,5 +57,7 @@ def ego_of(entity: Element, speed: float, corridor: Corridor, strip: int) -> Ego
     """Return the ego, at the limit of its road if it has no first speed."""
     if speed == 0.0:
         speed = round(corridor.speed_limit, 2)
-        entity.note(f"the ego has no speed at the start; {speed:g} m/s is the limit of its road")
+        entity.note(
+            f"without a first speed above 0 the ego starts at the limit of its road, {speed:g} m/s"
+        )
     return Ego(speed=round(speed, 3), lane=corridor.ego_lanes.index(strip))

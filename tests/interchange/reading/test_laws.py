@@ -600,3 +600,12 @@ def test_entities_may_have_the_name_of_a_missing_value(tmp_path, name):
     starts = [start("ego", lane(200), 10), start(name, lane(250), 5)]
     found = read(tmp_path, file([entity("ego"), entity(name)], starts))
     assert [actor.id for actor in found.scene.actors] == [f"{name.lower()}-2"]
+
+
+@pytest.mark.parametrize("first", [-5.0, -0.5, 0.0])
+def test_the_notes_on_an_ego_that_does_not_go_ahead_agree(first, tmp_path):
+    """What is read as 0 and what is driven instead are two steps, not two readings of one speed."""
+    found = read(tmp_path, cars(ego=first))
+    told = [note.rpartition(": ")[2] for note in notes(found) if "speed" in note]
+    limit = f"without a first speed above 0 the ego starts at the limit of its road, {found.scene.ego.speed:g} m/s"
+    assert told == [f"a speed of {first:g} is read as 0"] * (first < 0.0) + [limit]
