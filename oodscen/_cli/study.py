@@ -54,8 +54,8 @@ if TYPE_CHECKING:
 @click.option("--red-llm", help="Model that imagines scenarios.  [default: --llm]")
 @click.option(
     "--context",
-    type=click.IntRange(min=2_048),
-    help="Context window of --llm in tokens, e.g. 4096; longer questions are shortened.",
+    type=click.IntRange(min=4_096),
+    help="Context window of --llm in tokens, e.g. 8192; longer questions are shortened.",
 )
 @click.option("--fallback", help="Model to ask if the others give no answer.")
 @click.option(

@@ -57,7 +57,7 @@ class StudyConfig(Choices):
     """Model that is asked for the rarity of the simulatable texts, beside the offline estimate."""
     recogniser: str | None = None
     """Vision model that names made things without their captions; what it does not name is dropped."""
-    context: int | None = Field(default=None, ge=2_048)
+    context: int | None = Field(default=None, ge=4_096)
     """Context window of `llm` in tokens, input and output; longer questions are shortened.
 
     If left out, questions take the tokens that they need, some 8,000.

@@ -7,10 +7,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oodscen_pybullet._catalogue import load_catalogue
 
+from oodscen import make_catalogue
+from oodscen.errors import DataError
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._fitting import ANSWER_TOKENS, fitted, tokens_of
 from oodscen.prompts._scenario.stage_scene import StageScene
 from oodscen.prompts._tree.judge_branch import JudgeBranch
+from oodscen.study._config import StudyConfig
 
 CATALOGUE = CatalogueDigest.of(load_catalogue())
 PATH = ("OOD", "Interactional", "Animals", "Deer on the road")
@@ -69,3 +72,13 @@ def test_sets_of_states_that_a_shortened_question_names_are_defined_in_it(contex
     rendered = fitted(QUESTIONS[1], context).instructions()
     named = set(re.findall(r"states (set \d+)", rendered))
     assert named <= set(re.findall(r"`(set \d+)`: ", rendered))
+
+
+@pytest.mark.parametrize("name", ["flat", "highway", "pybullet", "sumo"])
+def test_the_least_window_of_a_study_holds_a_question_about_a_scene(name):
+    digest = CatalogueDigest.of(make_catalogue(name))
+    shortest = fitted(QUESTIONS[1].model_copy(update={"catalogue": digest}), 0)
+    needed = tokens_of(shortest) + ANSWER_TOKENS
+    assert StudyConfig(context=4_096).context >= needed
+    with pytest.raises(DataError, match="4096"):
+        StudyConfig(context=min(needed, 4_095))
