@@ -3,15 +3,14 @@
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import takewhile
-from numbers import Real
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from oodscen._numbers import finite_number
 from oodscen.data._base import Data
 from oodscen.encoders._centring import label_rows
 from oodscen.encoders._similarity import Vectors, unit
-from oodscen.errors import UsageError
 from oodscen.protocols import Encoder
 from oodscen.tree._edits import Node, TreeEdit
 from oodscen.tree._history import decisions
@@ -78,8 +77,7 @@ def match(
         UsageError: If the threshold is not a cosine.
         EncoderError: If the encoder fails.
     """
-    if not (isinstance(threshold, Real) and -1.0 <= threshold <= 1.0):
-        raise UsageError(f"the threshold is a cosine, between -1 and 1, not {threshold}")
+    threshold = finite_number("threshold", threshold, -1.0, 1.0)
     pairs = _Pairs(classes_of(first), classes_of(second))
     if first.nodes and second.nodes:
         roots = first.nodes[0].id, second.nodes[0].id

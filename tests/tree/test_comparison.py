@@ -170,9 +170,10 @@ def test_a_number_that_two_models_gave_to_different_things_pairs_nothing():
     assert [pair.by for pair in match(one, bare)] == ["id", "id"]
 
 
-def test_a_threshold_is_a_cosine():
-    with pytest.raises(UsageError):
-        diff(BEFORE, BEFORE, threshold=2.0)
+@pytest.mark.parametrize("threshold", [2.0, -1.1, math.nan, math.inf, True, False])
+def test_a_threshold_is_a_cosine(threshold):
+    with pytest.raises(UsageError, match="threshold"):
+        diff(BEFORE, BEFORE, threshold=threshold)
 
 
 def test_size_is_no_obstacle():
