@@ -156,12 +156,15 @@ class DynamicSimulator(BaseSimulator):
             SimulatorError: If they are of another shape, not finite or beyond all sense.
         """
         count = len(self.staged.ids)
+        given = self.bodies()
         try:
-            poses, speeds = self.bodies()
+            poses, speeds = given
             poses = with_heights(poses, count)
             speeds = np.asarray(speeds, dtype=np.float64)
         except (TypeError, ValueError, OverflowError) as error:
-            raise SimulatorError(f"{self.name}: bodies() returned {error}") from error
+            raise SimulatorError(
+                f"{self.name}: bodies() returned no poses and speeds: {error}"
+            ) from error
         if speeds.shape != (count,) or not (np.abs(speeds) <= _FASTEST_MPS).all():
             raise SimulatorError(
                 f"{self.name}: bodies() returned speeds that are not {count} numbers up to {_FASTEST_MPS:g} m/s"

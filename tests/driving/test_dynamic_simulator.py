@@ -145,14 +145,26 @@ def test_centrelines_lie_in_the_middle_of_their_lanes_in_the_direction_of_travel
         lambda poses, speeds: (poses, speeds - 1e300),
         lambda poses, speeds: (None, speeds),
         lambda poses, speeds: 3,
+        lambda poses, speeds: None,
+        lambda poses, speeds: (poses, speeds, speeds),
+        lambda poses, speeds: (poses, ["fast"] * len(speeds)),
+        lambda poses, speeds: ([*poses.tolist()[:-1], [0.0]], speeds),
     ],
 )
 def test_wrong_bodies_are_refused_by_name(wrong, monkeypatch) -> None:
     engine = Engine()
     right = engine.bodies
     monkeypatch.setattr(engine, "bodies", lambda: wrong(*right()))
-    with pytest.raises(SimulatorError, match=r"engine: bodies\(\) returned"):
+    words = r"engine: bodies\(\) returned (no poses and speeds: |speeds that are not)"
+    with pytest.raises(SimulatorError, match=words):
         engine.reset(CAR, 0)
+
+
+def test_a_failure_of_bodies_is_not_told_as_what_it_returned(monkeypatch) -> None:
+    engine = Engine()
+    monkeypatch.setattr(engine, "bodies", lambda: float("no number"))
+    with pytest.raises(SimulatorError, match="crashed: ValueError: could not convert"):
+        simulate(CAR, engine, actions=(), render=False)
 
 
 def test_misuse_is_typed() -> None:
