@@ -13,7 +13,7 @@ from oodscen.driving._base_simulator import BaseSimulator
 from oodscen.driving._dynamic_simulator import DynamicSimulator, RestorableSimulator
 from oodscen.driving._mirror_simulator import MirrorSimulator
 from oodscen.driving._states import check_observation, own_state
-from oodscen.errors import SimulatorError
+from oodscen.errors import SceneError, SimulatorError
 from oodscen.protocols import Camera, Control, Frame, Observation, Simulator, State
 
 _TIME_TOLERANCE = 0.01
@@ -46,9 +46,15 @@ def scene_copy(scene: Scene, simulator: str) -> Iterator[Scene]:
         SimulatorError: If the copy was changed; what was run is then not the scene.
     """
     copy = fitting(scene).model_copy(deep=True)
-    yield copy
+    fault = None
+    try:
+        yield copy
+    except SceneError as error:
+        fault = error
     if copy != scene:
-        raise SimulatorError(f"{simulator} changed the scene that it was given")
+        raise SimulatorError(f"{simulator} changed the scene that it was given") from fault
+    if fault is not None:
+        raise fault
 
 
 def _is_checked_by_bases(simulator: Simulator) -> bool:

@@ -141,6 +141,23 @@ class Counted(FlatSimulator):
         return super().step(control)
 
 
+def test_a_simulator_that_makes_the_scene_unstageable_is_told_so(tmp_path) -> None:
+    """The next reset is refused because of the value: it is not the scene that is at fault."""
+
+    class Notes(FlatSimulator):
+        def reset(self, scene, seed):
+            state = super().reset(scene, seed)
+            scene.actors[0].behaviour.parameters["note"] = 1.0
+            return state
+
+    early = Trigger(kind="time", value=0.5)
+    scene = example_scene().model_copy(update={"decision": early, "horizon_s": 0.5})
+    with pytest.raises(SimulatorError, match="flat changed the scene"):
+        simulate(scene, Notes(), actions=("stop",), render=False)
+    for result in drive([scene], RuleBasedDriver, Notes()):
+        assert (result.status, "changed the scene" in result.error) == ("failed", True)
+
+
 @pytest.mark.parametrize("method", ["reset", "step", "render"])
 def test_a_simulator_that_changes_its_scene_is_told_so_and_the_scene_stays(
     tmp_path, monkeypatch, method
