@@ -156,6 +156,10 @@ class Rewrites(Small):
         return state
 
 
+class NamesAText(Small):
+    packages = "numpy"
+
+
 class ForgetsSpeed(Small):
     def restore(self, snapshot):
         state = super().restore(snapshot)
@@ -464,6 +468,7 @@ class _Fixed(FlatSimulator):
         (SlimBodies, "behaviours", ["the gap to", "between the boxes"]),
         (Remembers, "determinism", ["another result"]),
         (Rewrites, "determinism", ["changed the scene"]),
+        (NamesAText, "catalogue", ["packages is 'numpy', not a list of names"]),
         (Blank, "frames", ["blank"]),
         (FlippedIds, "frames", ["no pixel with id 2"]),
         (Refuses, "assets", ["cyclist", "no mesh"]),

@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from oodscen._abilities import packages_of
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap
 from oodscen.data._details import AssetDetails, DetailKinds
 from oodscen.data._scene import Actor, Behaviour, Scene
@@ -22,7 +23,7 @@ _FIRST_M = 12.0
 
 
 def check_catalogue(probe: Probe) -> None:
-    """Check that the catalogue is static data without duplicates, and that its entries refer to each other."""
+    """Check that the catalogue is static data without duplicates, that its entries refer to each other, and `packages`."""
     catalogue, findings = probe.catalogue, probe.findings
     findings.expect(
         probe.simulator.catalogue() == catalogue, "", "differs from one call to the next"
@@ -53,6 +54,7 @@ def check_catalogue(probe: Probe) -> None:
             findings.add(
                 f"asset {asset.id}", f"offers {name!r}, which the catalogue's details lack"
             )
+    packages_of(probe.simulator)
 
 
 def check_maps(probe: Probe) -> None:
