@@ -10,6 +10,7 @@ from oodscen._cli.help import option_key
 from oodscen._cli.paths import READABLE
 from oodscen._io.files import read_utf8
 from oodscen._io.toml import parse_toml
+from oodscen._numbers import said
 from oodscen._words.text import one_line
 from oodscen.errors import DataError, Issue, close_matches
 
@@ -126,7 +127,12 @@ def _default(option: click.Option, value: Any, context: click.Context) -> Any:
 
 def _word(option: click.Option, value: Any) -> str:
     """Return a single value as a word of the command line."""
-    is_number = isinstance(option.type, click.types.IntParamType | click.types.FloatParamType)
-    if isinstance(value, bool) or not isinstance(value, int | float if is_number else str):
-        raise ValueError(f"must be a {'number' if is_number else 'text'}")
+    kinds: tuple[type, ...] = (str,)
+    noun = "a text"
+    if isinstance(option.type, click.types.IntParamType):
+        kinds, noun = (int,), "a whole number"
+    elif isinstance(option.type, click.types.FloatParamType):
+        kinds, noun = (int, float), "a number"
+    if isinstance(value, bool) or not isinstance(value, kinds):
+        raise ValueError(f"{said(value)} is not {noun}")
     return str(value)
