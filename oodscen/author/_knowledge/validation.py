@@ -1,7 +1,7 @@
 """Validation of a knowledge base: all faults of its entries, each with file and path."""
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 
 from oodscen.author._knowledge.base import Clash, Driving, HazardKind, Knowledge, Recipe
@@ -89,12 +89,28 @@ def _faults(hazard: HazardKind, knowledge: Knowledge) -> Iterable[Issue]:
     for field in ("label", "wider", "family"):
         if (label := getattr(hazard, field)) and (fault := kind_fault(label)):
             yield Issue(field, fault)
-    for index, key in enumerate(hazard.places):
-        if key not in knowledge.place_keys:
-            yield Issue(f"places[{index}]", f"unknown place {key!r}")
-    for index, key in enumerate(hazard.conditions):
-        if key not in knowledge.condition_keys:
-            yield Issue(f"conditions[{index}]", f"unknown condition {key!r}")
+    yield from _unknown_keys(hazard, knowledge)
+    yield from _kin_faults(hazard, knowledge)
+    yield from _event_faults(hazard.events)
+    if hazard.stage is not None:
+        yield from _recipe_faults(hazard.stage)
+
+
+def _unknown_keys(entry: Clash | Driving | HazardKind, knowledge: Knowledge) -> Iterable[Issue]:
+    """Yield references to unknown places, conditions or traffic."""
+    traffic = {one.key for one in knowledge.traffic}
+    for field, noun, named, known in (
+        ("places", "place", entry.places, set(knowledge.place_keys)),
+        ("conditions", "condition", entry.conditions, set(knowledge.condition_keys)),
+        ("traffic", "traffic", entry.traffic if isinstance(entry, Clash) else (), traffic),
+    ):
+        for index, key in enumerate(named):
+            if key not in known:
+                yield Issue(f"{field}[{index}]", f"unknown {noun} {key!r}")
+
+
+def _kin_faults(hazard: HazardKind, knowledge: Knowledge) -> Iterable[Issue]:
+    """Yield kin that are not of the hazard's class, or that no wider label covers."""
     for index, name in enumerate(hazard.kin):
         other = knowledge.by_id.get(name)
         if other is None:
@@ -103,28 +119,17 @@ def _faults(hazard: HazardKind, knowledge: Knowledge) -> Iterable[Issue]:
             yield Issue(f"kin[{index}]", f"{name!r} belongs to the other class")
     if hazard.kin and not hazard.wider:
         yield Issue("wider", "kin can be covered only by a wider label")
-    if len(hazard.events) < 5:
-        yield Issue("events", f"{len(hazard.events)} phrasings; at least 5 are wanted")
-    for index, event in enumerate(hazard.events):
+
+
+def _event_faults(events: Sequence[str]) -> Iterable[Issue]:
+    """Yield phrasings that break the rules of composition, repeat others, or are too few."""
+    if len(events) < 5:
+        yield Issue("events", f"{len(events)} phrasings; at least 5 are wanted")
+    for index, event in enumerate(events):
         for message in _phrasing_faults(event):
             yield Issue(f"events[{index}]", message)
-    if len(set(hazard.events)) < len(hazard.events):
+    if len(set(events)) < len(events):
         yield Issue("events", "a phrasing occurs twice")
-    if hazard.stage is not None:
-        yield from _recipe_faults(hazard.stage)
-
-
-def _unknown_keys(entry: Clash | Driving, knowledge: Knowledge) -> Iterable[Issue]:
-    """Yield references to unknown places, conditions or traffic."""
-    known = {
-        "places": set(knowledge.place_keys),
-        "conditions": set(knowledge.condition_keys),
-        "traffic": {traffic.key for traffic in knowledge.traffic},
-    }
-    for field, keys in known.items():
-        for index, key in enumerate(getattr(entry, field, ())):
-            if key not in keys:
-                yield Issue(f"{field}[{index}]", f"unknown: {key!r}")
 
 
 def _unsuitable_clauses(hazard: HazardKind, agreement: Agreement) -> Iterable[Issue]:
@@ -159,25 +164,15 @@ def _phrasing_faults(event: str) -> Iterable[str]:
 
 def _recipe_faults(recipe: Recipe) -> Iterable[Issue]:
     names = [name for actor in recipe.actors for name in actor.names]
-    unusual = recipe.hazards
     if len(set(names)) < len(names):
         yield Issue("stage.actors", "two actors have the same id")
-    if not unusual and not recipe.ordinary_weather:
+    if not recipe.hazards and not recipe.ordinary_weather:
         yield Issue("stage", "name a hazard actor, or the ordinary weather")
     if recipe.decision.actor is not None and recipe.decision.actor not in names:
         yield Issue("stage.decision.actor", f"unknown actor {recipe.decision.actor!r}")
-    if recipe.decision.kind != "time" and recipe.decision.actor is None and not unusual:
+    if recipe.decision.kind != "time" and recipe.decision.actor is None and not recipe.hazards:
         yield Issue("stage.decision.actor", "say to which actor it is measured")
-    for index, actor in enumerate(recipe.actors):
-        for field, target in (("trigger.actor", actor.trigger.actor), ("other", actor.other)):
-            if target is not None and target not in names:
-                yield Issue(f"stage.actors[{index}].{field}", f"unknown actor {target!r}")
-        earlier = {recipe_actor.id for recipe_actor in recipe.actors[:index]}
-        if actor.at != "start" and actor.at not in {*LANDMARKS, *earlier}:
-            message = f"{actor.at!r} is neither a landmark nor an actor listed before"
-            yield Issue(f"stage.actors[{index}].at", message)
-        if actor.meets is not None and "speed" not in actor.parameters:
-            yield Issue(f"stage.actors[{index}].meets", "needs the parameter 'speed'")
+    yield from _actor_faults(recipe, names)
     ids = {actor.id for actor in recipe.actors}
     for index, variant in enumerate(recipe.variants):
         for name in sorted(set(variant.actors) - ids):
@@ -186,3 +181,19 @@ def _recipe_faults(recipe: Recipe) -> Iterable[Issue]:
         for key in getattr(recipe, field):
             if key not in Weather.model_fields:
                 yield Issue(f"stage.{field}.{key}", "is not a field of the weather")
+
+
+def _actor_faults(recipe: Recipe, names: Collection[str]) -> Iterable[Issue]:
+    """Yield references of actors to others that are unknown, or listed later, and missing speeds."""
+    places = set(LANDMARKS) | {"start"}
+    for index, actor in enumerate(recipe.actors):
+        where = f"stage.actors[{index}]"
+        for field, target in (("trigger.actor", actor.trigger.actor), ("other", actor.other)):
+            if target is not None and target not in names:
+                yield Issue(f"{where}.{field}", f"unknown actor {target!r}")
+        if actor.at not in places:
+            message = f"{actor.at!r} is neither a landmark nor an actor listed before"
+            yield Issue(f"{where}.at", message)
+        if actor.meets is not None and "speed" not in actor.parameters:
+            yield Issue(f"{where}.meets", "needs the parameter 'speed'")
+        places.add(actor.id)
