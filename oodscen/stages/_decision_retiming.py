@@ -36,9 +36,6 @@ _MARGIN = 0.8
 """Share of the least size at which the outline of boxes makes a frame worth rendering."""
 
 
-_EVERY_ACTION = "every action is safe"
-
-
 class _LaterMoment(NamedTuple):
     """A moment after the decision at which the hazard can be named."""
 
@@ -57,50 +54,71 @@ def retime(
     which every action is safe is taken: the scene still asks what is there. If nothing helps, the scene and its run
     are returned unchanged, with the reasons.
     """
-    tried: list[Attempt] = []
-    catalogue = rerunner.simulator.catalogue()
-    was_too_easy = bool(simulated.episode.safe_set) and not simulated.episode.is_decidable
-    calm: tuple[Scene, str] | None = None
+    return _Retiming(scene, simulated, rerunner, claims).best()
 
-    def fault_of(variant: Scene) -> str:
-        """Return why a decision that comes later does not help, or an empty string if it may."""
-        probe = rerunner.probe(variant)
-        if not probe.safe_set:
-            return "no action is safe"
-        contradicted = contradiction(claims, scene, variant, catalogue)
-        if contradicted or probe.is_decidable or was_too_easy:
-            return contradicted
-        return _EVERY_ACTION
 
-    def rerun(variant: Scene, how: str) -> Restaging | None:
-        """Return the variant and its rendered run, or `None` if the hazard still cannot be named."""
-        run = rerunner.run(variant, simulated)
-        if run.episode.is_below_floor:
-            return None
-        return Restaging(variant, run, tuple(tried)).described(how)
+class _Retiming:
+    """The search for a later decision of one scene."""
 
-    for share in SLOWER if scene.ego.speed > 0.0 else SLOWER[:1]:
-        slowed, prefix = scene, TO_NAME
+    def __init__(
+        self, scene: Scene, simulated: Simulated, rerunner: Rerunner, claims: Sequence[Claim]
+    ) -> None:
+        self._scene = scene
+        self._simulated = simulated
+        self._rerunner = rerunner
+        self._claims = claims
+        self._was_too_easy = bool(simulated.episode.safe_set) and not simulated.episode.is_decidable
+        self._tried: list[Attempt] = []
+        self._calm: tuple[Scene, str] | None = None
+        """The first variant in which every action is safe, and how it differs."""
+
+    def best(self) -> Restaging:
+        """Return what `retime` does."""
+        for share in SLOWER if self._scene.ego.speed > 0.0 else SLOWER[:1]:
+            if restaging := self._at_speed(share):
+                return restaging
+        restaging = self._rerun(*self._calm) if self._calm else None
+        return restaging or Restaging(self._scene, self._simulated, tuple(self._tried))
+
+    def _at_speed(self, share: float) -> Restaging | None:
+        """Try the later decisions at a share of the approach speed."""
+        slowed, prefix = self._scene, TO_NAME
         if share < 1.0:
-            slowed = _slow_ego(scene, share)
-            prefix += f"approach speed {scene.ego.speed:g} -> {slowed.ego.speed:g} m/s, "
+            slowed = _slow_ego(self._scene, share)
+            prefix += f"approach speed {self._scene.ego.speed:g} -> {slowed.ego.speed:g} m/s, "
         faults: list[str] = []
         try:
-            for variant, distance_m in _decided_later(slowed, rerunner):
-                how = f"{prefix}decision {_words(scene.decision)} -> {_words(variant.decision)}"
-                fault = fault_of(variant)
-                if fault == _EVERY_ACTION:
-                    calm = calm or (variant, how)
-                if fault:
+            for variant, distance_m in _decided_later(slowed, self._rerunner):
+                change = f"{_words(self._scene.decision)} -> {_words(variant.decision)}"
+                how = f"{prefix}decision {change}"
+                if fault := self._fault_of(variant, how):
                     faults.append(f"{distance_m:g} m away it can be named, but {fault}")
-                elif restaging := rerun(variant, how):
+                elif restaging := self._rerun(variant, how):
                     return restaging
         except OodscenError as error:
             faults.append(fault_of_run(error))
         faults.append("the hazard cannot be named before the ego reaches it")
-        tried.append(Attempt(f"{prefix}a later decision", faults[0]))
-    restaging = rerun(*calm) if calm else None
-    return restaging or Restaging(scene, simulated, tuple(tried))
+        self._tried.append(Attempt(f"{prefix}a later decision", faults[0]))
+        return None
+
+    def _fault_of(self, variant: Scene, how: str) -> str:
+        """Return why a decision that comes later does not help, or an empty string if it may."""
+        probe = self._rerunner.probe(variant)
+        if not probe.safe_set:
+            return "no action is safe"
+        catalogue = self._rerunner.simulator.catalogue()
+        contradicted = contradiction(self._claims, self._scene, variant, catalogue)
+        if contradicted or probe.is_decidable or self._was_too_easy:
+            return contradicted
+        self._calm = self._calm or (variant, how)
+        return "every action is safe"
+
+    def _rerun(self, variant: Scene, how: str) -> Restaging | None:
+        """Return the variant and its rendered run, or `None` if the hazard still cannot be named."""
+        run = self._rerunner.run(variant, self._simulated)
+        if run.episode.is_below_floor:
+            return None
+        return Restaging(variant, run, tuple(self._tried)).described(how)
 
 
 def _slow_ego(scene: Scene, share: float) -> Scene:

@@ -95,19 +95,7 @@ def _describe(
     Texts that are to be shown are written with the simulator's catalogue in view.
     """
     describer = _describer(run, sample, is_shown=is_shown)
-    lines: dict[str, list[Line]] = {}
-    for line in run.store.lines(file):
-        if not run.is_again(line):
-            lines.setdefault(line.get("leaf", ""), []).append(line)
-    accepted = {leaf: {count} for leaf, count in counts.items()}
-    for line in run.store.lines(SHORT_PATHS):
-        if line["file"] == file and line["leaf"] in paths:
-            accepted[line["leaf"]] = {counts[line["leaf"]], line["texts"]}
-    done = {
-        leaf: rows
-        for leaf, rows in lines.items()
-        if leaf in paths and _is_whole(rows, paths[leaf], accepted[leaf])
-    }
+    done = _done(run, file, paths, counts)
 
     def work(leaf: str) -> list[Line]:
         try:
@@ -134,6 +122,25 @@ def _describe(
     run.store.write_lines(file, ordered)
     _list_short_paths(run.store, file, {leaf: done[leaf] for leaf in paths}, counts)
     return [Scenario.parse(row) for row in ordered if "error" not in row]
+
+
+def _done(
+    run: Context, file: str, paths: Mapping[str, tuple[str, ...]], counts: Mapping[str, int]
+) -> dict[str, list[Line]]:
+    """Return the lines of a file by path, for the paths whose lines are all written."""
+    lines: dict[str, list[Line]] = {}
+    for line in run.store.lines(file):
+        if not run.is_again(line):
+            lines.setdefault(line.get("leaf", ""), []).append(line)
+    accepted = {leaf: {count} for leaf, count in counts.items()}
+    for line in run.store.lines(SHORT_PATHS):
+        if line["file"] == file and line["leaf"] in paths:
+            accepted[line["leaf"]].add(line["texts"])
+    return {
+        leaf: rows
+        for leaf, rows in lines.items()
+        if leaf in paths and _is_whole(rows, paths[leaf], accepted[leaf])
+    }
 
 
 def _list_short_paths(
