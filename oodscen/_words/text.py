@@ -10,6 +10,8 @@ from functools import lru_cache
 CHARACTERS_PER_TOKEN = 4
 """Characters per token of English text, about."""
 
+_LONE_SLASHES = re.compile(r"(?<!\S)/+(?!\S)")
+
 _HALVES = re.compile("[\ud800-\udfff]")
 
 _UNSEEN = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
@@ -88,6 +90,14 @@ def first_few(names: Sequence[str]) -> str:
     """Return the first five names with commas between them, and an ellipsis for the rest."""
     listed = ", ".join(names[:5])
     return f"{listed}, ..." if len(names) > 5 else listed
+
+
+def path_name(labels: Sequence[str]) -> str:
+    """Return the labels of a path, joined so that no other path has the same name.
+
+    A slash that stands between blanks within a label is doubled.
+    """
+    return " / ".join(_LONE_SLASHES.sub(r"\g<0>/", label) for label in labels)
 
 
 def is_visible(text: str) -> bool:

@@ -11,6 +11,7 @@ from oodscen._display import brief
 from oodscen._io.csv import csv_fault, fields_up_to
 from oodscen._io.files import read_utf8
 from oodscen._io.json import parse_json
+from oodscen._words.text import path_name
 from oodscen.baselines._texts import MAX_CHARACTERS, fault_of, refuse
 from oodscen.errors import Issue
 
@@ -257,7 +258,7 @@ def _group(where: str, fields: Mapping[str, Any]) -> str | Issue | None:
                 return Issue(where, f"`{name}` holds {type(label).__name__}, not a text")
         labels = [str(label).strip() for label in values]
         if all(labels) and labels:
-            return " / ".join(labels)
+            return path_name(labels) if isinstance(value, list) else labels[0]
         if any(labels):
             return Issue(where, f"`{name}` holds a blank label")
     return None

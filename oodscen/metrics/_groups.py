@@ -6,6 +6,7 @@ from numbers import Integral
 import numpy as np
 
 from oodscen._numbers import said
+from oodscen._words.text import path_name
 from oodscen.data._scenario import Scenario
 from oodscen.errors import UsageError
 
@@ -28,7 +29,7 @@ def group_name(label: object) -> str:
         raise UsageError(
             f"each element of groups must be a label or a path of labels, not {said(label, 80)}"
         )
-    return " / ".join(parts)
+    return path_name(parts)
 
 
 def paths_of(texts: Sequence[str | Scenario]) -> tuple[str, ...] | None:

@@ -11,7 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._base import Data
-from oodscen.statistics._intervals import Floats, Interval, cluster_interval, percentile_interval
+from oodscen.statistics._intervals import (
+    FEWEST_CLUSTERS,
+    Floats,
+    Interval,
+    cluster_interval,
+    percentile_interval,
+)
 from oodscen.statistics._resampling import REPLICATES, Resampler, quotients
 
 
@@ -21,7 +27,7 @@ class Auroc(Data):
     value: float
     """In [0, 1]; 0.5 means no separation, 1 puts every text of the second set above all of the first."""
     interval: Interval | None
-    """`None` if either set has fewer than two units."""
+    """`None` if either set has fewer than five units: groups, or texts without groups."""
     n_ordinary: int
     n_ood: int
     is_paired: bool
@@ -61,7 +67,7 @@ def auroc_interval(
     if not is_paired:
         others = Resampler(len(ordinary), seed=seed, replicates=replicates, purpose="ordinary")
     interval = None
-    if resampler.units > 1 and len(ordinary) > 1:
+    if min(resampler.units, len(ordinary)) >= FEWEST_CLUSTERS:
         areas = _replicates(
             _ResampledScores(ordinary, others, others.cluster),
             _ResampledScores(ood, resampler, resampler.cluster),

@@ -26,7 +26,7 @@ def test_the_interval_holds_the_value_and_repeats():
         found = auroc_interval(a, b, is_paired=paired, seed=3)
         assert found.interval.low < found.value < found.interval.high
         assert found == auroc_interval(a, b, is_paired=paired, seed=3)
-    labels = [str(i // 30) for i in range(60)]
+    labels = [str(i // 10) for i in range(60)]
     assert auroc_interval(a, b, labels).interval.is_clustered
     assert auroc_interval(a, b, labels).interval.units == 2
     assert auroc_interval(a, b, ["x"] * 60).interval is None
@@ -131,3 +131,11 @@ def test_many_scores_are_drawn_in_blocks_of_the_same_draws(monkeypatch, is_paire
     whole = auroc_interval(values[0], other, is_paired=is_paired, replicates=50)
     monkeypatch.setattr("oodscen.statistics._resampling._CELLS", 60)
     assert auroc_interval(values[0], other, is_paired=is_paired, replicates=50) == whole
+
+
+def test_fewer_than_five_units_have_no_interval():
+    scores = np.random.default_rng(2).normal(0, 1, 40)
+    assert auroc_interval(scores[:4], scores).interval is None
+    assert auroc_interval(scores, scores[:4]).interval is None
+    assert auroc_interval(scores, scores, [str(i % 4) for i in range(40)]).interval is None
+    assert auroc_interval(scores, scores, [str(i % 5) for i in range(40)]).interval is not None

@@ -17,6 +17,7 @@ from oodscen._words.text import (
     inflection_stem,
     is_visible,
     one_line,
+    path_name,
     printable,
     stem,
     text_fault,
@@ -131,3 +132,16 @@ def test_threads_may_reduce_words_to_stems_at_once():
     inflection_stem.cache_clear()
     with ThreadPoolExecutor(8) as pool:
         assert list(pool.map(lambda _: [*map(inflection_stem, words)], range(8))) == [expected] * 8
+
+
+PATHS = st.lists(st.text(" /a", max_size=5), min_size=1, max_size=3)
+
+
+@given(PATHS, PATHS)
+def test_other_paths_have_other_names(one, other):
+    assert (path_name(one) == path_name(other)) == (one == other)
+
+
+def test_a_path_is_read_label_by_label():
+    assert path_name(["Signs/lights", "Off"]) == "Signs/lights / Off"
+    assert path_name(["Signs / lights", "Off"]) == "Signs // lights / Off"
