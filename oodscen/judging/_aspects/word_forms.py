@@ -15,10 +15,12 @@ LINKS = frozenset(
     """.split()
 )
 """Prepositions and conjunctions, which have one form."""
-_RIGID = frozenset({"stag", "doe", "its", "was", "all", "the", "not", "red", "two", "box", "men"})
-"""Words that must not be inflected: their inflected forms are other words, or do not exist."""
+_RIGID = frozenset({"box", "doe", "not", "the"})
+"""Words whose inflected forms are other words: "boxes" (crates), "does", "noted", "thing"."""
 _PLURAL_ONLY = frozenset(
-    "barrel bear branch buck car combine cop duck float skip tire train wheel".split()
+    """
+    barrel bear branch buck car combine cop crane drum duck float rock skip stag tire train wheel
+    """.split()
 )
 """Words for things that have a plural, and no participle or past: "bearing" and "tired" are other words."""
 
