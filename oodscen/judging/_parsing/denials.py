@@ -32,12 +32,12 @@ class Kind(Enum):
     )
     """Things that should be there, a driver or what "holds" a load."""
     NOTHING = "nothing|none(?! of the)"
-    NO = "no(?! one| longer)|none|without"
+    NO = "no(?! one| longer)|none|without|absence of"
     NOT = r"not(?! (?:all|every)\w*)|never|neither|(?:hard|bare|scarce|rare)ly|far from|no longer|free (?:of|from)|lacks?|nobody|no one"
     ODD = rf"{ODD}|(?:abnormal|unusual|strange|odd)ly|unexpected|to (?:report|note|mention)|worth (?:noting|mentioning)"
     TOPIC = _TOPIC
     """General words for things; if they are denied, nothing is odd: "no hazards", "not anything"."""
-    ORDINARY = "(?:normal|ordinary|usual|typical|routine|regular|standard)(?:ly)?|ordinarily|as expected|(?:with)?in (?:the )?distribution"
+    ORDINARY = "(?:normal|ordinary|usual|typical|routine|regular|standard|unremarkabl[ey]|uneventful)(?:ly)?|ordinarily|as expected|(?:with)?in (?:the )?distribution"
     CLEAR = rf"(?:clear|fine|dry|quiet|good|ok|okay|smooth(?:ly)?)(?! (?:(?:visible|apparent|road|traffic|vehicle) )?(?:{ODD}|{_TOPIC})\b)"
     SCENE = (
         "(?:image|picture|photo|frame|view|video|sequence|scene|scenario|situation|drive|road|street|traffic|highway|motorway|lane"

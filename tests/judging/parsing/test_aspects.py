@@ -114,6 +114,7 @@ def test_what_names_no_aspect_is_told_apart(said, outcome):
 ABSENT = (
     "No driver in the car", "No lights on the lorry", "None of the traffic lights work", "No road markings",
     "There is no driver in the car", "No wheels on an ordinary car", "Intersection without functioning lights", "Tail lights not working",
+    "Absence of lane markings",
 )  # fmt: skip
 NOTHING = (
     "There is nothing unusual", "There is no OOD aspect", "Everything looks normal", "Nothing stands out", "I see nothing",
@@ -126,6 +127,7 @@ NOTHING = (
     "No anomalies were detected", "The road is clear with no visible hazards", "None of note", "Nothing, just a normal road",
     "That's nothing unusual", "This is a normal driving scene with nothing unusual", "It's all normal", "Nothing in particular stands out",
     "No hazards, obstacles, or unusual objects", "Normal traffic with a few cars", "The scene is in-distribution", "No deviation from normal driving",
+    "The scene is unremarkable", "An uneventful drive", "There is an absence of hazards",
 )  # fmt: skip
 
 
