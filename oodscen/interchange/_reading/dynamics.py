@@ -8,7 +8,7 @@ from oodscen.interchange._reading.tree import Element
 _AT_ONCE_MPS2 = 9.0
 """Deceleration of what stops at once in a file, m/s^2."""
 _SLOWEST_MPS = 1.0
-"""Least speed by which a distance is read as a time, m/s."""
+"""Least mean speed by which a distance is read as a time, m/s."""
 
 
 class _Transition(NamedTuple):
@@ -41,24 +41,23 @@ def deceleration(node: Element, speed: float) -> float:
 def speed_change_s(node: Element, before: float, after: float) -> float:
     """Return how long a `SpeedAction` takes, s; 0 if it is at once."""
     transition = _transition(node, "SpeedActionDynamics")
-    if transition is None:
-        return 0.0
-    if transition.dimension == "rate":
-        return abs(after - before) / transition.value
-    if transition.dimension == "distance":
-        return 2.0 * transition.value / max(before + after, _SLOWEST_MPS)
-    return transition.value
+    return _seconds(transition, abs(after - before), 0.5 * (before + after))
 
 
 def lane_change_s(node: Element, speed: float, lanes: int) -> float:
     """Return how long a `LaneChangeAction` by some lanes to either side takes, s; 0 if it is at once."""
     transition = _transition(node, "LaneChangeActionDynamics")
+    return _seconds(transition, abs(lanes) * LANE_M, speed)
+
+
+def _seconds(transition: _Transition | None, change: float, mean_mps: float) -> float:
+    """Return how long a transition takes by which something changes at a mean speed, s."""
     if transition is None:
         return 0.0
     if transition.dimension == "rate":
-        return abs(lanes) * LANE_M / transition.value
+        return change / transition.value
     if transition.dimension == "distance":
-        return transition.value / max(speed, _SLOWEST_MPS)
+        return transition.value / max(abs(mean_mps), _SLOWEST_MPS)
     return transition.value
 
 

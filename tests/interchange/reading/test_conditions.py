@@ -112,6 +112,21 @@ def test_waiting_for_an_event_is_waiting_for_its_time(tmp_path, seconds, delay):
     assert any("its end is read as the time" in note for note in notes(found))
 
 
+@pytest.mark.parametrize(
+    ("before", "after", "seconds"), [(5, 0, 4.0), (5, 15, 1.0), (0.6, 0, 10.0), (0, -10, 2.0)]
+)
+def test_an_event_over_a_distance_takes_its_time_at_the_mean_speed(
+    before, after, seconds, tmp_path
+):
+    held = event(speed(after, "linear", 10, "distance"), at(3), name="b").replace(
+        'name="e"', 'name="f"'
+    )
+    bodies = [entity(name) for name in ("ego", "a", "b")]
+    starts = [start("ego", lane(200), 10), start("a", lane(250), 5), start("b", lane(270), before)]
+    text = file(bodies, starts, held + event(STOP, state("f", "completeState")))
+    assert trigger(read(tmp_path, text)) == ("time", 3 + seconds, None)
+
+
 def test_waiting_for_an_event_by_distance_is_waiting_for_that_distance(tmp_path):
     found = read(tmp_path, chain(state("f", "startTransition"), by_entity(near(20, "b"))))
     assert trigger(found) == ("distance", 20.0, "b")
