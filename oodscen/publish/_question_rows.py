@@ -1,6 +1,5 @@
 """The questions of a study as rows, with what their answers are scored by."""
 
-import json
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -128,14 +127,14 @@ def _naming_row(drive: PublishedDrive) -> QuestionRow:
 def _choosing_row(drive: PublishedDrive) -> QuestionRow:
     options, choice = drive.asked.options, drive.oracle.choice
     right = tuple(index for index, option in enumerate(options) if option.id == choice)
-    answer = canonical_json({"choice": right[0] + 1}) if right else ""
+    best = right[0] if right else None
     return QuestionRow(
         drive,
         choosing_prompt(drive.asked.shown, options),
         tuple(option.label for option in options),
-        answer,
+        "" if best is None else canonical_json({"choice": best + 1}),
         right,
-        best=right[0] if right else None,
+        best=best,
     )
 
 
@@ -150,7 +149,7 @@ def _acting_row(drive: PublishedDrive) -> QuestionRow:
         drive,
         acting_prompt(drive.asked.shown),
         tuple(option.description for option in OPTIONS),
-        "" if best is None else json.dumps({"action": names[best]}),
+        "" if best is None else canonical_json({"action": names[best]}),
         safe,
         neutral,
         best,
@@ -170,9 +169,7 @@ def published_drives(asked: list[AskedDrive], splits: Mapping[str, Split]) -> li
         if not drive.episode.is_ordinary
     }
     return [
-        PublishedDrive(
-            drive, splits.get(drive.key.leaf, "test"), owners[scene_of(drive.episode.scene_id)]
-        )
+        PublishedDrive(drive, splits.get(drive.key.leaf, "test"), owner)
         for drive in asked
-        if scene_of(drive.episode.scene_id) in owners
+        if (owner := owners.get(scene_of(drive.episode.scene_id)))
     ]

@@ -417,6 +417,14 @@ def test_a_row_of_other_types_is_refused(data, wrong):
         score_answers([({**row, **wrong}, text)])
 
 
+def test_a_question_s_stem_has_neither_its_options_nor_how_to_answer(study):
+    for drive in published_drives(asked_drives(study), {}):
+        for row in question_rows(drive):
+            assert row.stem.endswith(("?", "right.", "least:", "rare."))
+            assert "step by step" not in row.stem
+            assert not any(f"{option}\n" in f"{row.stem}\n" for option in row.options)
+
+
 def study_board(study: Study):
     """Return the board of a model that gives the published answers to a study's own questions."""
     verdicts = []
