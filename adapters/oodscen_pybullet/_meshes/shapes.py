@@ -73,6 +73,11 @@ def upright(
     return [(*start, low), (*end, low), (*end, high), (*start, high)]
 
 
+def across(x: float, left: float, low: float, high: float) -> list[Point]:
+    """Return an upright rectangle across the x axis, from y = `left` to -`left`; it faces -x if `left` is positive."""
+    return upright((x, left), (x, -left), low, high)
+
+
 def rings(
     start: Point, end: Point, radii: tuple[float, float], sides: int, phase: float = 0.0
 ) -> tuple[Array, Array]:

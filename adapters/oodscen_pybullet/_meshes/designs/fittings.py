@@ -11,7 +11,7 @@ from oodscen_pybullet._meshes.designs.parts import DrawnPart, Placing, Region, a
 from oodscen_pybullet._meshes.living.limbs import joint, limb, stride
 from oodscen_pybullet._meshes.look import AMBER, BLUE, RED, WHITE, Appearance
 from oodscen_pybullet._meshes.objects.signs import face
-from oodscen_pybullet._meshes.shapes import upright
+from oodscen_pybullet._meshes.shapes import across, upright
 
 _AMBER_LAMP = ("amber", "amber_lit", "amber_core")
 """Colours of an indicator: dark, lit, and lit in its core."""
@@ -91,8 +91,7 @@ class Cab(Fitting):
                 foot = (x, side * (half - 0.02), 1.45)
                 mesh.beam(foot, (tip, side * (half - lean), top - 0.28), width, paint)
         mesh.box((front - 0.05, 0, 0.55), (0.2, 2.34, 0.34), "dark_grey")
-        x = front + 0.012
-        mesh.textured_quad(upright((x, -0.7), (x, 0.7), 0.95, 1.35), "grille")
+        mesh.textured_quad(across(front + 0.012, -0.7, 0.95, 1.35), "grille")
         HeadLamps(head_lamps=(front + 0.03, 0.82, 0.78), size=(0.34, 0.2)).fit(mesh, shown)
         for side in (-1.0, 1.0):
             mesh.box((front - 0.1, side * 1.28, 1.95), (0.1, 0.14, 0.5), "black")
@@ -108,8 +107,7 @@ class Chassis(Fitting):
         rear, front = self.chassis
         mesh.box(((rear + front) / 2, 0, 0.74), (front - rear, 0.9, 0.3), "dark_grey")
         mesh.box((rear + 0.06, 0, 0.55), (0.1, 2.3, 0.16), "dark_grey")
-        x = rear + 0.005
-        mesh.textured_quad(upright((x, 1.1), (x, -1.1), 0.49, 0.61), "stripes")
+        mesh.textured_quad(across(rear + 0.005, 1.1, 0.49, 0.61), "stripes")
 
 
 class Underside(Fitting):
@@ -261,12 +259,10 @@ class Plates(Fitting):
     def fit(self, mesh: MeshBuilder, shown: Appearance) -> None:
         """Add the plates."""
         x, z = self.plates
-        rear = upright((x, 0.27), (x, -0.27), z - 0.065, z + 0.065)
-        mesh.textured_quad(rear, "plate_rear")
+        mesh.textured_quad(across(x, 0.27, z - 0.065, z + 0.065), "plate_rear")
         if self.front:
             x, z = self.front
-            front = upright((x, -0.27), (x, 0.27), z - 0.065, z + 0.065)
-            mesh.textured_quad(front, "plate")
+            mesh.textured_quad(across(x, -0.27, z - 0.065, z + 0.065), "plate")
 
 
 class RearPrint(DrawnPart):
@@ -279,8 +275,7 @@ class RearPrint(DrawnPart):
 
     def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
         """Add the print."""
-        corners = upright((self.x, self.y), (self.x, -self.y), *self.z)
-        add_picture(mesh, corners, self.rear_print, place)
+        add_picture(mesh, across(self.x, self.y, *self.z), self.rear_print, place)
 
 
 class FrontPrint(DrawnPart):
@@ -293,8 +288,7 @@ class FrontPrint(DrawnPart):
 
     def add(self, mesh: MeshBuilder, shown: Appearance, place: Placing) -> None:
         """Add the print."""
-        corners = upright((self.x, -self.y), (self.x, self.y), *self.z)
-        add_picture(mesh, corners, self.front_print, place)
+        add_picture(mesh, across(self.x, -self.y, *self.z), self.front_print, place)
 
 
 class Octagon(DrawnPart):
@@ -347,18 +341,11 @@ class Legs(Fitting):
 
     def fit(self, mesh: MeshBuilder, shown: Appearance) -> None:
         """Add the legs in the phase of the stride."""
-        phase, runs = shown.gait or (0.0, False)
         top, thick, hoof = self.top, self.thick, 0.07 * self.top
         drop = 0.0 if shown.gait is None else 0.06 * top
         for pair, hip in enumerate(self.legs):
             for side in (-1.0, 1.0):
-                ahead, up = (0.05 if pair == 0 else 0.0) * side * top, 0.0
-                if shown.gait is not None:
-                    step = phase - (_GALLOP if runs else _WALK)[side, pair]
-                    reach, lift = (1.5, 0.3) if runs else (1.0, 0.14)
-                    ahead, up = stride(
-                        step, reach * self.half_stride * top, lift * top, 0.4 if runs else 0.6
-                    )
+                ahead, up = self._step(shown, side, pair)
                 start = (hip, side * self.y, top - drop)
                 end = (hip + ahead, side * self.y, hoof + up)
                 bend = (-1.0 if pair == 0 else 0.6, 0.0, 0.0)
@@ -371,6 +358,16 @@ class Legs(Fitting):
                     (1.5 * thick, 1.1 * thick, hoof),
                     paw,
                 )
+
+    def _step(self, shown: Appearance, side: float, pair: int) -> tuple[float, float]:
+        """Return how far a foot is ahead of its joint, and above the ground, m."""
+        if shown.gait is None:
+            return (0.05 if pair == 0 else 0.0) * side * self.top, 0.0
+        touch_down, reach, lift, stance = (
+            (_GALLOP, 1.5, 0.3, 0.4) if shown.gait.runs else (_WALK, 1.0, 0.14, 0.6)
+        )
+        phase = shown.gait.phase - touch_down[side, pair]
+        return stride(phase, reach * self.half_stride * self.top, lift * self.top, stance)
 
 
 class WebbedFeet(Fitting):

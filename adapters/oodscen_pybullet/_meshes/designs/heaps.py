@@ -1,6 +1,8 @@
 """Draws heaps, swarms and veils."""
 
 import math
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,7 +29,7 @@ def _(part: shapes.Heap, mesh: MeshBuilder, shown: Appearance, place: Placing) -
         lump = min(mean_radius * (0.8 + 0.4 * size_draw), 0.45 * length, 0.45 * width)
         x = (length / 2 - lump) * out * cos(index * GOLDEN_ANGLE)
         y = (width / 2 - lump) * out * sin(index * GOLDEN_ANGLE)
-        high = height * (1 - 0.6 * out**3) * (0.75 + 0.25 * height_draw)
+        high = height * (1 - 0.6 * out * out * out) * (0.75 + 0.25 * height_draw)
         tall = min(lump, high)
         grown = 1.0 + part.rough
         middle = high - tall
@@ -67,25 +69,41 @@ def _(part: shapes.Veil, mesh: MeshBuilder, shown: Appearance, place: Placing) -
     red, green, blue = rgb_of(part.colour) or (128, 128, 128)
     colour: Point = (red / 255, green / 255, blue / 255)
     x, y, z = part.veil
-    length, width, height = part.size
-    draws = rng.uniform(0.0, 1.0, (part.puffs, 2)).tolist()
-    for index, (size_draw, height_draw) in enumerate(draws):
+    for index, draws in enumerate(rng.uniform(0.0, 1.0, (part.puffs, 2)).tolist()):
         share, turn = (index + 0.5) / part.puffs, index * GOLDEN_ANGLE
-        density = part.density
-        if part.form == "cloud":
-            radius = max(
-                0.15, min(0.45 * min(length, width, height) * (0.7 + 0.5 * size_draw), 1.5)
-            )
-            out = math.sqrt(share)
-            aside = (max(0.0, length / 2 - radius) * out, max(0.0, width / 2 - radius) * out)
-            up = height_draw
-        else:
-            wide = (0.15 + 0.85 * share) if part.form == "funnel" else (0.5 + 0.5 * share)
-            radius = max(0.12, min(0.33 * min(length, width) * wide, height / 2))
-            sway = 0.5 * wide
-            aside = ((length / 2 - radius) * sway, (width / 2 - radius) * sway)
-            up = share
-            density *= 1.0 - 0.4 * share
-        rise = radius + max(0.0, height - 2 * radius) * up
-        at = (x + aside[0] * cos(turn), y + aside[1] * sin(turn), z + rise)
-        mesh.puff(place.point(at), radius, colour, density, is_bright=part.bright)
+        puff = _in_cloud(part, share, draws) if part.form == "cloud" else _in_plume(part, share)
+        rise = puff.radius + max(0.0, part.size[2] - 2 * puff.radius) * puff.up
+        at = (x + puff.ahead * cos(turn), y + puff.aside * sin(turn), z + rise)
+        mesh.puff(place.point(at), puff.radius, colour, puff.density, is_bright=part.bright)
+
+
+class _Puff(NamedTuple):
+    """A puff of a veil before it is turned about the veil's middle."""
+
+    radius: float
+    ahead: float
+    aside: float
+    """Largest distances of its centre from the middle along x and y, m."""
+    up: float
+    """Share of the way from the ground to the top."""
+    density: float
+
+
+def _in_cloud(part: shapes.Veil, share: float, draws: Sequence[float]) -> _Puff:
+    """Return a puff anywhere in a cloud, at a share of the way outwards."""
+    length, width, height = part.size
+    size_draw, up = draws
+    radius = max(0.15, min(0.45 * min(length, width, height) * (0.7 + 0.5 * size_draw), 1.5))
+    out = math.sqrt(share)
+    ahead, aside = max(0.0, length / 2 - radius) * out, max(0.0, width / 2 - radius) * out
+    return _Puff(radius, ahead, aside, up, part.density)
+
+
+def _in_plume(part: shapes.Veil, share: float) -> _Puff:
+    """Return a puff of a funnel or jet, at a share of the way up."""
+    length, width, height = part.size
+    wide = (0.15 + 0.85 * share) if part.form == "funnel" else (0.5 + 0.5 * share)
+    radius = max(0.12, min(0.33 * min(length, width) * wide, height / 2))
+    sway = 0.5 * wide
+    ahead, aside = (length / 2 - radius) * sway, (width / 2 - radius) * sway
+    return _Puff(radius, ahead, aside, share, part.density * (1.0 - 0.4 * share))

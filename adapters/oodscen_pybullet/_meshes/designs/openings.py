@@ -8,7 +8,7 @@ from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs.fittings import Fitting
 from oodscen_pybullet._meshes.designs.parts import Placing, add
 from oodscen_pybullet._meshes.look import Appearance
-from oodscen_pybullet._meshes.shapes import upright
+from oodscen_pybullet._meshes.shapes import across, upright
 from oodscen_pybullet._types import Point
 
 _LINING = "light_grey"
@@ -198,7 +198,7 @@ class RearDoors(Fitting):
         if not shown.has("boot_open"):
             return
         x, half, (low, high) = self.rear_doors, self.half, self.z
-        hold = upright((x, half), (x, -half), low, high)
+        hold = across(x, half, low, high)
         mesh.polygon(hold, "black")
         size = 0.36 * (high - low)
         for y, z, colour in ((0.45, 0.0, "cardboard"), (-0.4, 0.0, "wood"), (0.35, 1.0, "sack")):
@@ -226,7 +226,7 @@ class TailLift(Fitting):
             return
         (x, z), half = self.tail_lift, self.half
         mesh.box((x - 0.8, 0.0, z), (1.5, 2 * half, 0.09), "metal")
-        edge = upright((x - 1.56, half), (x - 1.56, -half), z - 0.05, z + 0.05)
+        edge = across(x - 1.56, half, z - 0.05, z + 0.05)
         mesh.textured_quad(edge, "stripes")
         for side in (1.0, -1.0):
             mesh.beam(

@@ -3,10 +3,11 @@
 import itertools
 import math
 
+from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.look import AMBER, GREEN, RED, Appearance
 from oodscen_pybullet._meshes.objects.signs import face
-from oodscen_pybullet._meshes.shapes import upright
+from oodscen_pybullet._meshes.shapes import across, upright
 from oodscen_pybullet._types import Point
 
 _LENSES: dict[str, tuple[str, ...]] = {
@@ -37,7 +38,7 @@ def _add_lens(mesh: MeshBuilder, centre: Point, radius: float, name: str, *, is_
     colour = f"{name}_lit" if is_lit else f"lens_{name}"
     mesh.cylinder((x, y, z), (x - 0.02, y, z), radius, colour, sides=12)
     turns = [math.pi * k / 6 for k in range(7)]
-    rim = [(y + radius * 1.1 * math.cos(t), z + radius * 1.1 * math.sin(t)) for t in turns]
+    rim = [(y + radius * 1.1 * cos(t), z + radius * 1.1 * sin(t)) for t in turns]
     for start, end in itertools.pairwise(rim):
         hood = [(x, *start), (x - 0.16, *start), (x - 0.16, *end), (x, *end)]
         mesh.polygon(hood, "black").polygon(hood[::-1], "black")
@@ -51,8 +52,8 @@ def traffic_light(mesh: MeshBuilder, shown: Appearance) -> None:
     mesh.cylinder((0, 0, 0), (0, 0, 0.5), 0.12, "dark_grey", sides=8)
     mesh.cylinder((0, 0, 0.5), (0, 0, 3.5), 0.07, "dark_grey", sides=8)
     mesh.box((-0.16, 0, 2.95), (0.22, 0.42, 1.16), "black")
-    mesh.polygon(upright((-0.05, 0.32), (-0.05, -0.32), 2.28, 3.62), "black")
-    mesh.polygon(upright((-0.045, -0.32), (-0.045, 0.32), 2.28, 3.62), "dark_grey")
+    mesh.polygon(across(-0.05, 0.32, 2.28, 3.62), "black")
+    mesh.polygon(across(-0.045, -0.32, 2.28, 3.62), "dark_grey")
     for y0, y1, z0, z1 in (
         (0.32, 0.28, 2.28, 3.62),
         (-0.28, -0.32, 2.28, 3.62),
@@ -75,7 +76,7 @@ def pedestrian_light(mesh: MeshBuilder, shown: Appearance) -> None:
         ("walker", "green", 2.33, ("green", "flashing")),
     ):
         is_lit = not is_dark and shown.state in states
-        quad = upright((-0.245, 0.14), (-0.245, -0.14), z - 0.15, z + 0.15)
+        quad = across(-0.245, 0.14, z - 0.15, z + 0.15)
         if is_lit:
             mesh.textured_quad(quad, f"sign_{figure}")
             mesh.lamp((-0.25, 0, z), _GLOW[colour], (-1, 0, 0), 0.8, by_day=_LED)
@@ -105,10 +106,10 @@ def level_crossing_gate(mesh: MeshBuilder, shown: Appearance) -> None:
     mesh.box((0.25, right, 0.55), (0.5, 0.5, 1.1), "light_grey")
     mesh.cylinder((0, right, 0), (0, right, 3.0), 0.06, "white", sides=8)
     face(mesh, (-0.07, right, 2.75), 0.5, "sign_rail", corners=16)
-    cos, sin = _ARM_DIRECTIONS.get(shown.state, (1.0, 0.0))
+    left, up = _ARM_DIRECTIONS.get(shown.state, (1.0, 0.0))
     for k in range(10):
         ends = (0.6 * k, 0.6 * (k + 1))
-        start, end = ((0.3, right + 0.2 + cos * along, 1.0 + sin * along) for along in ends)
+        start, end = ((0.3, right + 0.2 + left * along, 1.0 + up * along) for along in ends)
         mesh.beam(start, end, 0.13, "white" if k % 2 else "red")
     mesh.box((-0.08, right, 2.0), (0.1, 0.8, 0.36), "black")
     for side in (-1.0, 1.0):

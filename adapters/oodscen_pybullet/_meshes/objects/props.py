@@ -3,9 +3,10 @@
 import itertools
 import math
 
+from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs import add_design
-from oodscen_pybullet._meshes.shapes import upright
+from oodscen_pybullet._meshes.shapes import across
 from oodscen_pybullet._types import Point
 
 _LEAVES, _LEAF_TURN, _LEAF_M = 11, 2.4, 0.11
@@ -29,8 +30,8 @@ def plant_pot(mesh: MeshBuilder) -> None:
     for index in range(_LEAVES):
         turn = index * _LEAF_TURN
         reach, rise = 0.34 + 0.08 * (index % 3), 0.86 + 0.12 * (index % 4)
-        tip = (reach * math.cos(turn), reach * math.sin(turn), rise)
-        bend = (reach * 0.5 * math.cos(turn), reach * 0.5 * math.sin(turn), rise - 0.06)
+        tip = (reach * cos(turn), reach * sin(turn), rise)
+        bend = (reach * 0.5 * cos(turn), reach * 0.5 * sin(turn), rise - 0.06)
         mesh.beam((0, 0, 0.52), bend, 0.035, "leaf_dark")
         _add_leaf(mesh, bend, tip, ("leaf", "leaf_light", "leaf_dark")[index % 3])
     mesh.ball(
@@ -38,7 +39,7 @@ def plant_pot(mesh: MeshBuilder) -> None:
     )
     for index in range(5):
         turn = index * 1.3 + 0.4
-        flower = (0.2 * math.cos(turn), 0.2 * math.sin(turn), 1.08)
+        flower = (0.2 * cos(turn), 0.2 * sin(turn), 1.08)
         mesh.ball(flower, (0.055, 0.055, 0.05), "red", around=6, down=4)
 
 
@@ -57,8 +58,8 @@ def mattress(mesh: MeshBuilder) -> None:
     for start, end in itertools.pairwise(_MATTRESS):
         _add_piece(mesh, start, end)
     (x0, z0), (x1, z1) = _MATTRESS[0], _MATTRESS[-1]
-    mesh.polygon(upright((x0, _HALF_M), (x0, -_HALF_M), z0, z0 + _THICK_M), "mattress_edge")
-    mesh.polygon(upright((x1, -_HALF_M), (x1, _HALF_M), z1, z1 + _THICK_M), "mattress_edge")
+    mesh.polygon(across(x0, _HALF_M, z0, z0 + _THICK_M), "mattress_edge")
+    mesh.polygon(across(x1, -_HALF_M, z1, z1 + _THICK_M), "mattress_edge")
 
 
 def _add_piece(mesh: MeshBuilder, start: tuple[float, float], end: tuple[float, float]) -> None:
@@ -81,10 +82,10 @@ def debris(mesh: MeshBuilder) -> None:
     """A heap of broken planks, bent metal and rubble."""
     add_design(mesh, "_broken_planks")
     for turn in (0.3, 2.1, 4.0):
-        _add_bent_sheet(mesh, 0.6 * math.cos(turn), 0.6 * math.sin(turn))
+        _add_bent_sheet(mesh, 0.6 * cos(turn), 0.6 * sin(turn))
     for index in range(9):
         turn, reach = index * 0.7, 0.55 + 0.08 * (index % 5)
-        at = (reach * math.cos(turn), reach * math.sin(turn), 0.08)
+        at = (reach * cos(turn), reach * sin(turn), 0.08)
         colour = "concrete_dark" if index % 2 else "wall_brick"
         mesh.ball(at, (0.15, 0.13, 0.10), colour, around=6, down=4, jitter=0.25, key=20 + index)
     mesh.ball((0, 0, 0.1), (0.75, 0.7, 0.24), "earth", around=9, down=4, jitter=0.2, key=31)
