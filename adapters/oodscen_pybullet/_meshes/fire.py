@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 
+from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._types import Point
@@ -22,8 +23,8 @@ def flames(mesh: MeshBuilder, shown: Appearance, seats: Sequence[Point], size: f
     for index, (x, y, z) in enumerate(seats):
         turn = 2 * math.pi * (shown.cycle + 0.37 * index)
         for part, (colour, width, height) in enumerate((("ember", 1.0, 2.3), ("flame", 0.6, 1.6))):
-            rise = size * height * (0.88 + 0.12 * math.sin(turn + part))
-            lean = 0.25 * size * math.cos(turn + 2.0 * part)
+            rise = size * height * (0.88 + 0.12 * sin(turn + part))
+            lean = 0.25 * size * cos(turn + 2.0 * part)
             foot = (x, y, z - 0.1)
             middle = (x + 0.5 * lean, y, z + 0.3 * rise)
             tip = (x + lean, y + 0.3 * lean, z + rise)
@@ -63,7 +64,7 @@ def smoke_column(
     for index in range(count):
         share = (index + shown.cycle) / count
         wide = radius * (1.0 + 1.6 * share)
-        sway = 0.35 * radius * math.sin(2.4 * index + 1.0)
+        sway = 0.35 * radius * sin(2.4 * index + 1.0)
         place = (x + sway, y + drift * height * share + sway, z + height * share)
         fade = density * (1.0 - share * share)
         tint = (colour[0] + 0.14 * share, colour[1] + 0.14 * share, colour[2] + 0.14 * share)

@@ -6,6 +6,7 @@ from typing import ClassVar
 
 from pydantic import ConfigDict
 
+from oodscen.numerics._exact import cos
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.living.limbs import joint, limb, stride
 from oodscen_pybullet._meshes.look import Gait
@@ -127,7 +128,7 @@ def add_arm(
     """Add an arm that reaches for a point; without one it hangs, or swings with the gait."""
     x, _, z = shoulder
     if hand is None:
-        swing = -math.cos(2 * math.pi * gait.phase) if gait else 0.0
+        swing = -cos(2 * math.pi * gait.phase) if gait else 0.0
         if gait and gait.runs:
             hand = (x + 0.14 + 0.26 * swing, side * 0.2, z - 0.26 + 0.16 * swing)
         else:

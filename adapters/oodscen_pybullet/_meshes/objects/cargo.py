@@ -2,6 +2,7 @@
 
 import math
 
+from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.shapes import GOLDEN_ANGLE
 from oodscen_pybullet._types import Point
@@ -55,7 +56,7 @@ def spilled_gravel(mesh: MeshBuilder) -> None:
     mesh.ball((-0.5, 0.7, 0), (0.8, 0.7, 0.36), "gravel", around=10, down=6, jitter=0.1, key=402)
     for index in range(_STONES):
         turn, reach = index * _STONE_TURN, 1.0 + 0.05 * (index % 5)
-        x, y = 1.25 * reach * math.cos(turn), 1.6 * reach * math.sin(turn)
+        x, y = 1.25 * reach * cos(turn), 1.6 * reach * sin(turn)
         size = 0.07 + 0.03 * (index % 3)
         radii = (size, size, 0.8 * size)
         mesh.ball((x, y, 0.6 * size), radii, "rock", around=5, down=4, jitter=0.2, key=410 + index)
@@ -79,11 +80,11 @@ def tarpaulin(mesh: MeshBuilder) -> None:
 
 def _crease(i: int, j: int) -> Point:
     """Return a corner of the tarpaulin, which lies flat only at its edges."""
-    bump = math.sin(1.7 * i + 0.8 * j) * math.cos(1.1 * j - 0.6 * i) + 0.6 * math.sin(2.9 * j + i)
+    bump = sin(1.7 * i + 0.8 * j) * cos(1.1 * j - 0.6 * i) + 0.6 * sin(2.9 * j + i)
     inwards = min(i, _COLUMNS - 1 - i, j, _ROWS - 1 - j)
     lying = 0.02 + 0.05 * (bump > 0.6)
     height = max(0.02, 0.08 + 0.12 * bump + 0.07 * inwards) if inwards else lying
-    wave = 0.12 * math.sin(2.1 * j) if i in (0, _COLUMNS - 1) else 0.0
+    wave = 0.12 * sin(2.1 * j) if i in (0, _COLUMNS - 1) else 0.0
     length, width = _SHEET
     x = -length + 2 * length * i / (_COLUMNS - 1) + wave
     return x, -width + 2 * width * j / (_ROWS - 1), height
@@ -108,7 +109,7 @@ def tumbleweed(mesh: MeshBuilder) -> None:
 def _on_sphere(turn: float, rise: float) -> Point:
     """Return a point of the tumbleweed's surface from its heading and its height, -1 to 1."""
     flat = math.sqrt(1 - rise * rise)
-    x, y = math.cos(turn), math.sin(turn)
+    x, y = cos(turn), sin(turn)
     return _WEED_RADIUS * flat * x, _WEED_RADIUS * flat * y, _WEED_RADIUS * rise
 
 

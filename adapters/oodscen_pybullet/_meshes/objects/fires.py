@@ -1,7 +1,6 @@
 """Smoke and fire on the road."""
 
-import math
-
+from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.fire import flames, smoke_column
 from oodscen_pybullet._meshes.look import Appearance
@@ -28,7 +27,7 @@ def smoke(mesh: MeshBuilder, shown: Appearance) -> None:
     """A bank of grey smoke that drifts over the lane from a smouldering heap."""
     for index in range(12):
         turn, reach = index * 2.4, _EMBERS_M + _EMBERS_STEP_M * index
-        at = (reach * math.cos(turn), reach * math.sin(turn), 0.0)
+        at = (reach * cos(turn), reach * sin(turn), 0.0)
         colour = "char" if index % 2 else "ash"
         mesh.ball(
             at, (0.26, 0.24, 0.055), colour, around=6, down=4, jitter=0.2, key=601 + index
@@ -45,7 +44,7 @@ def fire(mesh: MeshBuilder, shown: Appearance) -> None:
     """A burning heap of wood and tyres."""
     for index in range(7):
         turn = index * 0.9
-        x, y = math.cos(turn), math.sin(turn)
+        x, y = cos(turn), sin(turn)
         colour = "char" if index % 2 else "bark_dark"
         mesh.beam((0.75 * x, 0.75 * y, 0.05), (-0.2 * x, -0.2 * y, 0.55), 0.12, colour)
     mesh.ball((0, 0, 0.0), (0.8, 0.8, 0.2), "ash", around=9, down=6, jitter=0.15, key=621)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 
+from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.shapes import GOLDEN_ANGLE
 from oodscen_pybullet._types import Point
@@ -15,8 +16,8 @@ def _wavy_outline(
     outline = []
     for index in range(count):
         turn = 2 * math.pi * index / count
-        wave = 1.0 + sum(share * math.sin(n * turn + phase) for n, share, phase in waves)
-        outline.append((radii[0] * wave * math.cos(turn), radii[1] * wave * math.sin(turn), z))
+        wave = 1.0 + sum(share * sin(n * turn + phase) for n, share, phase in waves)
+        outline.append((radii[0] * wave * cos(turn), radii[1] * wave * sin(turn), z))
     return outline
 
 
@@ -65,7 +66,7 @@ def oil_spill(mesh: MeshBuilder) -> None:
         outline = _wavy_outline(
             (long, wide), 0.016 + 0.002 * index, ((2, 0.15, 0.5), (3, 0.1, 1.0)), 16
         )
-        c, s = math.cos(0.5 + 0.25 * index), math.sin(0.5 + 0.25 * index)
+        c, s = cos(0.5 + 0.25 * index), sin(0.5 + 0.25 * index)
         _fill_around_centre(
             mesh, [(x + c * a - s * b, y + s * a + c * b, h) for a, b, h in outline], colour
         )
@@ -78,14 +79,14 @@ def broken_glass(mesh: MeshBuilder) -> None:
     """Glittering glass shards and lamp fragments, spread over the lane."""
     for index in range(130):
         turn, reach = index * GOLDEN_ANGLE, math.sqrt((index + 0.5) / 130)
-        x, y = 1.2 * reach * math.cos(turn), 1.5 * reach * math.sin(turn)
+        x, y = 1.2 * reach * cos(turn), 1.5 * reach * sin(turn)
         size, spin = 0.035 + 0.012 * (index % 5), 1.7 * index
         colour = ("plastic", "white", "glass_light", "sky_blue", "plastic")[index % 5]
         if index % 31 == 30:
             colour = "tail"
         z = 0.008 + 0.002 * (index % 7)
         points = [
-            (x + size * math.cos(spin + a), y + 1.3 * size * math.sin(spin + a), z + 0.012 * k)
+            (x + size * cos(spin + a), y + 1.3 * size * sin(spin + a), z + 0.012 * k)
             for k, a in enumerate((0.0, 2.0, 4.3))
         ]
         mesh.polygon(points, colour)
@@ -109,13 +110,13 @@ def pothole(mesh: MeshBuilder) -> None:
     for index in range(26):
         turn = index * GOLDEN_ANGLE
         reach = 1.0 + 0.16 * (index % 5)
-        x, y = 0.9 * reach * math.cos(turn), 1.15 * reach * math.sin(turn)
+        x, y = 0.9 * reach * cos(turn), 1.15 * reach * sin(turn)
         size = 0.045 + 0.02 * (index % 3)
         mesh.box((x, y, 0.02), (2 * size, 1.6 * size, 0.04), "asphalt" if index % 2 else "rubble")
     for index in range(7):
         turn = 0.9 * index + 0.2
-        x, y = 0.95 * math.cos(turn), 1.25 * math.sin(turn)
-        tip = (1.45 * math.cos(turn + 0.12), 1.8 * math.sin(turn + 0.12), 0.008)
+        x, y = 0.95 * cos(turn), 1.25 * sin(turn)
+        tip = (1.45 * cos(turn + 0.12), 1.8 * sin(turn + 0.12), 0.008)
         crack = [(x - 0.03, y - 0.03, 0.008), tip, (x + 0.03, y + 0.03, 0.008)]
         mesh.polygon(crack, "hole").polygon(crack[::-1], "hole")
 
@@ -126,7 +127,7 @@ def flood_water(mesh: MeshBuilder) -> None:
     _fill(mesh, _wavy_outline((4.5, 3.4), 0.015, waves, 36), "flood")
     for index in range(26):
         turn, reach = index * GOLDEN_ANGLE, math.sqrt((index + 0.5) / 28)
-        x, y = 3.7 * reach * math.cos(turn), 2.8 * reach * math.sin(turn)
+        x, y = 3.7 * reach * cos(turn), 2.8 * reach * sin(turn)
         wide = 0.3 + 0.12 * (index % 3)
         points = [
             (x + a, y + b, z)
@@ -134,7 +135,7 @@ def flood_water(mesh: MeshBuilder) -> None:
         ]
         mesh.polygon(points, "flood_light" if index % 3 else "water_light")
     for x, y, turn in ((1.6, -1.0, 0.4), (-1.5, 1.2, 2.0), (0.2, 2.1, 1.1), (-2.6, -1.4, 0.2)):
-        dx, dy = 0.4 * math.cos(turn), 0.4 * math.sin(turn)
+        dx, dy = 0.4 * cos(turn), 0.4 * sin(turn)
         mesh.beam((x - dx, y - dy, 0.03), (x + dx, y + dy, 0.04), 0.05, "bark_dark", end_width=0.02)
     _add_foot(mesh, "flood")
 

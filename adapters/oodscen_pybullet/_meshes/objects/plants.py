@@ -2,6 +2,7 @@
 
 import math
 
+from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.shapes import GOLDEN_ANGLE
 from oodscen_pybullet._types import Point
@@ -43,8 +44,8 @@ def fallen_tree(mesh: MeshBuilder) -> None:
     for index in range(11):
         turn = 2 * math.pi * index / 11
         reach = 0.85 + 0.25 * (index % 3)
-        height = max(0.05, 0.5 + reach * math.sin(turn))
-        end = (0.9 * reach * math.cos(turn), -3.5 - 0.2 * (index % 2), height)
+        height = max(0.05, 0.5 + reach * sin(turn))
+        end = (0.9 * reach * cos(turn), -3.5 - 0.2 * (index % 2), height)
         mesh.beam((0, -3.0, 0.44), end, 0.22, "bark_dark", end_width=0.05)
     mesh.ball((0, -3.2, 0.5), (0.62, 0.22, 0.6), "soil", around=9, down=6, jitter=0.2, key=5)
     for start, end in _BOUGHS:
@@ -66,7 +67,7 @@ def fallen_pole(mesh: MeshBuilder) -> None:
     _trunk(mesh, (0, -3.6, 0.17), (0.1, 3.4, 0.24), (0.17, 0.12))
     for k in range(5):
         turn = 1.3 * k
-        splinter = (0.16 * math.cos(turn), -3.9, 0.2 + 0.16 * math.sin(turn))
+        splinter = (0.16 * cos(turn), -3.9, 0.2 + 0.16 * sin(turn))
         mesh.beam((0, -3.5, 0.2), splinter, 0.07, "wood_fresh", end_width=0.01)
     for y in (2.3, 2.9):
         mesh.beam((-0.95, y, 0.3), (1.1, y, 0.42), 0.13, "wood_dark")
@@ -74,18 +75,18 @@ def fallen_pole(mesh: MeshBuilder) -> None:
             mesh.cylinder((x, y, 0.36), (x, y, 0.56), 0.05, "teal", sides=6, end_radius=0.035)
     mesh.cylinder((0.36, 1.5, 0.36), (0.36, 2.1, 0.38), 0.2, "grey", sides=10)
     for x, y in ((-0.8, 2.3), (0.95, 2.9), (-0.4, 2.9), (0.5, 2.3)):
-        _wire(mesh, (x, y, 0.5), side=math.copysign(1.0, x))
+        _wire(mesh, (x, y, 0.5))
     mesh.flatten(0.0)
 
 
-def _wire(mesh: MeshBuilder, start: Point, side: float) -> None:
-    """Add a wire that comes down from an insulator and lies on the ground; `side` is 1 to the right, -1 to the left."""
-    pieces, before = 6, start
+def _wire(mesh: MeshBuilder, start: Point) -> None:
+    """Add a wire that comes down from an insulator, away from the pole, and lies on the ground."""
+    pieces, before, side = 6, start, math.copysign(1.0, start[0])
     for k in range(1, pieces + 1):
         share = k / pieces
         point = (
             start[0] + side * 1.3 * share,
-            start[1] - 4.6 * share + 0.3 * math.sin(7 * share),
+            start[1] - 4.6 * share + 0.3 * sin(7 * share),
             max(0.02, 0.5 * (1 - 1.8 * share) + 0.05 * (k % 2)),
         )
         mesh.beam(before, point, 0.03, "black")
@@ -95,32 +96,20 @@ def _wire(mesh: MeshBuilder, start: Point, side: float) -> None:
 def leaves_pile(mesh: MeshBuilder) -> None:
     """A heap of autumn leaves."""
     mesh.ball(
-        (0, 0, 0),
-        (0.85, 1.0, 0.34),
-        "leaf_autumn",
-        around=12,
-        down=8,
-        jitter=0.12,
-        key=701,
-        second_colour="leaf_yellow",
-    )
+        (0, 0, 0), (0.85, 1.0, 0.34), "leaf_autumn",
+        around=12, down=8, jitter=0.12, key=701, second_colour="leaf_yellow",
+    )  # fmt: skip
     mesh.ball(
-        (0.3, 0.5, 0),
-        (0.55, 0.6, 0.28),
-        "leaf_yellow",
-        around=10,
-        down=6,
-        jitter=0.15,
-        key=702,
-        second_colour="burgundy",
-    )
+        (0.3, 0.5, 0), (0.55, 0.6, 0.28), "leaf_yellow",
+        around=10, down=6, jitter=0.15, key=702, second_colour="burgundy",
+    )  # fmt: skip
     for index in range(70):
         turn, reach = index * GOLDEN_ANGLE, 0.55 + 0.65 * ((index * 7) % 10) / 10
-        x, y = 1.05 * reach * math.cos(turn), 1.2 * reach * math.sin(turn)
-        dome = max(0.0, 1 - (x / 0.85) ** 2 - (y / 1.0) ** 2)
+        x, y = 1.05 * reach * cos(turn), 1.2 * reach * sin(turn)
+        dome = max(0.0, 1 - (x / 0.85) * (x / 0.85) - y * y)
         z, spin = 0.36 * math.sqrt(dome) + 0.02, 1.3 * index
         leaf = [
-            (x + 0.09 * math.cos(spin + a) * r, y + 0.09 * math.sin(spin + a) * r, z + 0.02 * k)
+            (x + 0.09 * cos(spin + a) * r, y + 0.09 * sin(spin + a) * r, z + 0.02 * k)
             for k, (a, r) in enumerate(((0.0, 1.0), (1.57, 0.6), (3.14, 1.0), (4.71, 0.6)))
         ]
         colour = _AUTUMN[index % 5]
@@ -133,11 +122,15 @@ def stump(mesh: MeshBuilder) -> None:
     waist, top = (0, 0, 0.28), (0.02, 0, 0.58)
     mesh.cylinder((0, 0, 0), waist, 0.44, "bark", sides=12, end_radius=0.34)
     mesh.cylinder(waist, top, 0.34, "bark", sides=12, end_radius=0.32, cap_colour="wood_fresh")
-    rings = ((0.25, "wood"), (0.19, "wood_fresh"), (0.12, "wood"), (0.06, "wood_dark"))
-    for (radius, colour), z in zip(rings, (0.582, 0.586, 0.59, 0.594), strict=True):
+    for radius, z, colour in (
+        (0.25, 0.582, "wood"),
+        (0.19, 0.586, "wood_fresh"),
+        (0.12, 0.59, "wood"),
+        (0.06, 0.594, "wood_dark"),
+    ):
         mesh.cylinder((0.02, 0, 0.57), (0.02, 0, z), radius, colour, sides=12)
     for k in range(7):
-        x, y = math.cos(0.9 * k), math.sin(0.9 * k)
+        x, y = cos(0.9 * k), sin(0.9 * k)
         end = (0.72 * x, 0.72 * y, 0.03)
         mesh.beam((0.3 * x, 0.3 * y, 0.2), end, 0.2, "bark_dark", end_width=0.05)
     mesh.flatten(0.0)

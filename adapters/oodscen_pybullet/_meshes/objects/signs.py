@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 
+from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._types import Point
 
@@ -41,9 +42,9 @@ def _outline(corners: int, *, is_down: bool) -> list[tuple[float, float]]:
         if is_down:
             return [(0.5, 0.02), (0.98, 0.9), (0.02, 0.9)]
         return [(0.02, 0.1), (0.98, 0.1), (0.5, 0.98)]
-    size = 0.5 / math.cos(math.pi / corners) if corners == 8 else 0.495
+    size = 0.5 / cos(math.pi / corners) if corners == 8 else 0.495
     turns = [2 * math.pi * (i + 0.5) / corners for i in range(corners)]
-    return [(0.5 + size * math.cos(turn), 0.5 + size * math.sin(turn)) for turn in turns]
+    return [(0.5 + size * cos(turn), 0.5 + size * sin(turn)) for turn in turns]
 
 
 def _placed(

@@ -2,6 +2,7 @@
 
 import math
 
+from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs import assemble
 from oodscen_pybullet._meshes.fire import flames, smoke_column
@@ -46,7 +47,7 @@ def burning_car(mesh: MeshBuilder, shown: Appearance) -> None:
     smoke_column(mesh, shown, (-0.1, 0.0, 1.7), 0.75, 5.0)
     for index in range(6):
         turn = index * 1.05
-        x, y = 1.7 * math.cos(turn), 0.7 * math.sin(turn)
+        x, y = 1.7 * cos(turn), 0.7 * sin(turn)
         mesh.puff((x, y, 0.9), 0.4, (1.0, 0.55, 0.15), 0.5, is_bright=True)
     mesh.lamp((0.4, 0, 1.6), (1.0, 0.6, 0.2), (0, 0, 0), 6.0)
 
