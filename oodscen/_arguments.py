@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 _COMPONENTS = {"LLM": "llm", "Encoder": "encoder", "Simulator": "simulator", "Driver": "driver"}
 """The protocols of components, by name."""
+_TAKEN: Mapping[Any, Any] = {None: NoneType, int: Real, float: Real, Path: os.PathLike}
+"""The types of what is taken for annotations that are no types, or narrower ones."""
 
 P = ParamSpec("P")
 Returned = TypeVar("Returned")
@@ -152,18 +154,13 @@ def _is_of(value: Any, kind: Any) -> bool:
         return isinstance(value, str) and value in get_args(kind)
     if origin is Callable:
         return callable(value)
-    if kind is None or kind is NoneType:
-        return value is None
     generic = getattr(kind, "__pydantic_generic_metadata__", None) or {}
     plain = origin or generic.get("origin") or kind
-    if not isinstance(plain, type) or plain in (Any, object, type):
+    plain = _TAKEN.get(plain, plain)
+    if plain is Any or not isinstance(plain, type):
         return True
     if getattr(plain, "_is_protocol", False) and plain.__module__ == "oodscen.protocols":
         return value is not None  # What it lacks is told by `conforming`.
-    if plain in (int, float):
-        return isinstance(value, Real)
-    if plain is Path:
-        return isinstance(value, os.PathLike)
     if issubclass(plain, Mapping):
         return isinstance(value, Mapping) and not _misfit(value, kind)
     if issubclass(plain, Iterable) and origin is not None and plain.__module__ != "numpy":
