@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._catalogue import BehaviourKind
-from oodscen.data._scene import Scene, Trigger
+from oodscen.data._scene import Scene
 from oodscen.driving._motion.behaviours import BUILT_IN, DRIVES_IN_LANE, having
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
@@ -53,145 +54,148 @@ def compare(probe: Probe, scene: Scene, kind: BehaviourKind, subject: str, secon
         return
     behaviour = scene.actors[0].behaviour
     defaults = {name: parameter.default for name, parameter in kind.parameters.items()}
-    parameters = {**defaults, **behaviour.parameters}
-    road = load_corridor(scene.map, probe.catalogue)
-    fault = (
-        _onset_fault(tracks, reference, kind, road, behaviour.trigger)
-        or _step_fault(tracks, reference, kind, road, parameters)
-        or _course_fault(tracks, reference, kind, parameters)
-        or _swing_fault(tracks, reference, kind, road, behaviour.trigger.value, parameters)
+    comparison = _Comparison(
+        tracks,
+        reference,
+        kind,
+        load_corridor(scene.map, probe.catalogue),
+        behaviour.trigger.value,
+        {**defaults, **behaviour.parameters},
     )
+    fault = comparison.fault()
     probe.findings.expect(not fault, subject, fault)
 
 
-def _onset_fault(
-    tracks: Tracks, reference: Tracks, kind: BehaviourKind, road: Corridor, trigger: Trigger
-) -> str:
-    """Return how an actor fails to wait for its trigger by time, or to move at all."""
-    row = BUILT_IN[kind.id]
-    if "amplitude" in kind.parameters:
-        waiting = max(1, round((trigger.value - ONSET_S) / tracks.dt))
-        swayed_m = float(np.ptp(_places(tracks, road)[:waiting]))
-        return f"sways over {swayed_m:.1f} m before its trigger" if swayed_m > EARLY_SWAY_M else ""
-    if row.moves_before_trigger or row.needs_other:
+@dataclass(frozen=True)
+class _Comparison:
+    """The motion of a scene's first actor in a simulator, and what it should be."""
+
+    tracks: Tracks
+    reference: Tracks
+    kind: BehaviourKind
+    road: Corridor
+    trigger_s: float
+    """The value of the actor's trigger, a time."""
+    parameters: Mapping[str, float]
+    """All parameters of its behaviour."""
+
+    def fault(self) -> str:
+        """Return how the motion differs from the reference world's; empty if it does not."""
+        return (
+            self._onset_fault() or self._step_fault() or self._course_fault() or self._swing_fault()
+        )
+
+    def _onset_fault(self) -> str:
+        """Return how the actor fails to wait for its trigger, or to move at all."""
+        row, earliest_s = BUILT_IN[self.kind.id], self.trigger_s - ONSET_S
+        if "amplitude" in self.parameters:
+            waiting = max(1, round(earliest_s / self.tracks.dt))
+            swayed_m = float(np.ptp(self._places(self.tracks)[:waiting]))
+            is_early = swayed_m > EARLY_SWAY_M
+            return f"sways over {swayed_m:.1f} m before its trigger" if is_early else ""
+        if row.moves_before_trigger or row.needs_other:
+            return ""
+        onset_s = self.tracks.onset(1)
+        if onset_s is None:
+            return "never moves" if self.reference.onset(1) is not None else ""
+        is_early = onset_s < earliest_s
+        return f"moves after {onset_s:.1f} s, before its trigger" if is_early else ""
+
+    def _step_fault(self) -> str:
+        """Return how and when the actor's place, speed or heading first differs."""
+        chance_m = 2.0 * sum(abs(self.parameters.get(name, 0.0)) for name in _CHANCE)
+        covered_m = 0.0
+        for step in range(1, len(self.tracks.poses)):
+            covered_m += abs(float(self.reference.speeds[step, 1])) * self.tracks.dt
+            fault = self._place_fault(
+                step, ALONG_M + 0.25 * covered_m + chance_m, ACROSS_M + chance_m
+            )
+            if not fault and self.kind.id not in _LOOSE:
+                fault = self._motion_fault(step)
+            if not fault and "angle_deg" in self.parameters:
+                fault = self._turn_fault(step)
+            if fault:
+                return f"{fault} after {step * self.tracks.dt:.1f} s"
         return ""
-    onset_s = tracks.onset(1)
-    if onset_s is None:
-        return "never moves" if reference.onset(1) is not None else ""
-    is_early = onset_s < trigger.value - ONSET_S
-    return f"moves after {onset_s:.1f} s, before its trigger" if is_early else ""
 
-
-def _step_fault(
-    tracks: Tracks,
-    reference: Tracks,
-    kind: BehaviourKind,
-    road: Corridor,
-    parameters: Mapping[str, float],
-) -> str:
-    """Return how and when an actor's place, speed or heading first differs from the reference world's."""
-    chance_m = 2.0 * sum(abs(parameters.get(name, 0.0)) for name in _CHANCE)
-    covered_m = 0.0
-    for step in range(1, len(tracks.poses)):
-        covered_m += abs(float(reference.speeds[step, 1])) * tracks.dt
-        tolerances_m = (ALONG_M + 0.25 * covered_m + chance_m, ACROSS_M + chance_m)
-        x, y, _, yaw = map(float, reference.poses[step if kind.id in DRIVES_IN_LANE else 0, 1])
-        if kind.id in DRIVES_IN_LANE:
-            yaw = road.heading(road.locate(x, y)[0])
-        fault = _place_fault(tracks, reference, step, yaw, tolerances_m)
-        if not fault and kind.id not in _LOOSE:
-            fault = _motion_fault(tracks, reference, step)
-        if not fault and "angle_deg" in kind.parameters:
-            fault = _turn_fault(tracks, reference, step)
-        if fault:
-            return f"{fault} after {step * tracks.dt:.1f} s"
-    return ""
-
-
-def _place_fault(
-    tracks: Tracks, reference: Tracks, step: int, yaw: float, tolerances_m: tuple[float, float]
-) -> str:
-    """Return how an actor's place in one step differs from the reference world's, along a direction or across it."""
-    dx, dy = (tracks.poses[step, 1, :2] - reference.poses[step, 1, :2]).tolist()
-    along = dx * math.cos(yaw) + dy * math.sin(yaw)
-    across = dy * math.cos(yaw) - dx * math.sin(yaw)
-    if not abs(along) <= tolerances_m[0]:
-        side = "on" if along > 0.0 else "back"
-        return f"is {abs(along):.1f} m further {side} than in the reference world"
-    if not abs(across) <= tolerances_m[1]:
-        side = "left" if across > 0.0 else "right"
-        return f"is {abs(across):.1f} m further {side} than in the reference world"
-    return ""
-
-
-def _motion_fault(tracks: Tracks, reference: Tracks, step: int) -> str:
-    """Return how an actor's speed or heading in one step differs from the reference world's about that time."""
-    speed, expected = float(tracks.speeds[step, 1]), float(reference.speeds[step, 1])
-    late = round(_LATE_S / tracks.dt)
-    about = reference.speeds[max(0, step - late) : step + late + 1, 1]
-    if not _within(
-        about - SPEED - 0.25 * np.abs(about), speed, about + SPEED + 0.25 * np.abs(about)
-    ):
-        return f"has {speed:.1f} m/s, in the reference world {expected:.1f}"
-    return _turn_fault(tracks, reference, step) if abs(expected) > 1.0 else ""
-
-
-def _within(low: NDArray[np.float64], value: float, high: NDArray[np.float64]) -> bool:
-    """Return whether a value lies within some limits."""
-    return bool(low.min() <= value <= high.max())
-
-
-def _turn_fault(tracks: Tracks, reference: Tracks, step: int) -> str:
-    """Return how an actor's heading in one step differs from the reference world's."""
-    turn_deg = turned_by(float(tracks.poses[step, 1, 3]), float(reference.poses[step, 1, 3]))
-    if not abs(turn_deg) <= HEADING_DEG:
-        return f"is turned by {turn_deg:.0f} degrees against the reference world"
-    return ""
-
-
-def _course_fault(
-    tracks: Tracks, reference: Tracks, kind: BehaviourKind, parameters: Mapping[str, float]
-) -> str:
-    """Return how an actor's whole course differs from the reference world's: what chance does not change."""
-    rises, should = (float(np.ptp(each.poses[:, 1, 2])) for each in (tracks, reference))
-    if not abs(rises - should) <= HEIGHT_M + 0.25 * should:
-        return f"rises or falls by {rises:.1f} m, in the reference world by {should:.1f} m"
-    if "radius" in kind.parameters:
-        return _stray_fault(tracks, reference, parameters["radius"])
-    return _spin_fault(tracks, reference) if "spin_deg" in kind.parameters else ""
-
-
-def _swing_fault(
-    tracks: Tracks,
-    reference: Tracks,
-    kind: BehaviourKind,
-    road: Corridor,
-    trigger_s: float,
-    parameters: Mapping[str, float],
-) -> str:
-    """Return how the width or the number of an actor's swings differs, once they have grown and if a period is left."""
-    first = round((trigger_s + parameters.get("period", 0.0)) / tracks.dt)
-    last = first + round(parameters.get("period", 0.0) / tracks.dt)
-    if not first < last < len(tracks.poses):
+    def _place_fault(self, step: int, along_m: float, across_m: float) -> str:
+        """Return how the actor's place in one step differs by more than tolerances along its way or across it."""
+        is_driver = self.kind.id in DRIVES_IN_LANE
+        x, y, _, yaw = map(float, self.reference.poses[step if is_driver else 0, 1])
+        if is_driver:
+            yaw = self.road.heading(self.road.locate(x, y)[0])
+        dx, dy = (self.tracks.poses[step, 1, :2] - self.reference.poses[step, 1, :2]).tolist()
+        along = dx * math.cos(yaw) + dy * math.sin(yaw)
+        across = dy * math.cos(yaw) - dx * math.sin(yaw)
+        if not abs(along) <= along_m:
+            side = "on" if along > 0.0 else "back"
+            return f"is {abs(along):.1f} m further {side} than in the reference world"
+        if not abs(across) <= across_m:
+            side = "left" if across > 0.0 else "right"
+            return f"is {abs(across):.1f} m further {side} than in the reference world"
         return ""
-    if "lift" in kind.parameters:
-        swings, should = (_swings(each.poses[first:, 1, 2]) for each in (tracks, reference))
-    elif "amplitude" in kind.parameters:
-        across, expected = (_places(each, road)[first:] for each in (tracks, reference))
-        width, wide = float(np.ptp(across)), float(np.ptp(expected))
-        if not abs(width - wide) <= SWAY_M + 0.4 * wide:
-            return f"sways over {width:.1f} m, in the reference world over {wide:.1f} m"
-        swings, should = _swings(across), _swings(expected)
-    else:
+
+    def _motion_fault(self, step: int) -> str:
+        """Return how the actor's speed or heading in one step differs from the reference world's about that time."""
+        speed, expected = float(self.tracks.speeds[step, 1]), float(self.reference.speeds[step, 1])
+        late = round(_LATE_S / self.tracks.dt)
+        about = self.reference.speeds[max(0, step - late) : step + late + 1, 1]
+        tolerances = SPEED + 0.25 * np.abs(about)
+        if not (about - tolerances).min() <= speed <= (about + tolerances).max():
+            return f"has {speed:.1f} m/s, in the reference world {expected:.1f}"
+        return self._turn_fault(step) if abs(expected) > 1.0 else ""
+
+    def _turn_fault(self, step: int) -> str:
+        """Return how the actor's heading in one step differs."""
+        heading, expected = (
+            float(each.poses[step, 1, 3]) for each in (self.tracks, self.reference)
+        )
+        turn_deg = turned_by(heading, expected)
+        if not abs(turn_deg) <= HEADING_DEG:
+            return f"is turned by {turn_deg:.0f} degrees against the reference world"
         return ""
-    if not abs(swings - should) <= SWINGS * should:
-        return f"swings {swings:.1f} times in the time of {should:.1f} in the reference world"
-    return ""
 
+    def _course_fault(self) -> str:
+        """Return how the actor's whole course differs: what chance does not change."""
+        rises, should = (
+            float(np.ptp(each.poses[:, 1, 2])) for each in (self.tracks, self.reference)
+        )
+        if not abs(rises - should) <= HEIGHT_M + 0.25 * should:
+            return f"rises or falls by {rises:.1f} m, in the reference world by {should:.1f} m"
+        if "radius" in self.parameters:
+            return _stray_fault(self.tracks, self.reference, self.parameters["radius"])
+        return _spin_fault(self.tracks, self.reference) if "spin_deg" in self.parameters else ""
 
-def _places(tracks: Tracks, road: Corridor) -> NDArray[np.float64]:
-    """Return the first actor's places across the road in all steps, m."""
-    return np.array([road.locate(float(x), float(y))[1] for x, y in tracks.poses[:, 1, :2]])
+    def _swing_fault(self) -> str:
+        """Return how the width or the number of swings differs, once they have grown and if a period is left."""
+        period_s = self.parameters.get("period", 0.0)
+        first = round((self.trigger_s + period_s) / self.tracks.dt)
+        last = first + round(period_s / self.tracks.dt)
+        if not first < last < len(self.tracks.poses):
+            return ""
+        if "lift" in self.parameters:
+            swings, should = (
+                _swings(each.poses[first:, 1, 2]) for each in (self.tracks, self.reference)
+            )
+        elif "amplitude" in self.parameters:
+            across, expected = (
+                self._places(each)[first:] for each in (self.tracks, self.reference)
+            )
+            width, wide = float(np.ptp(across)), float(np.ptp(expected))
+            if not abs(width - wide) <= SWAY_M + 0.4 * wide:
+                return f"sways over {width:.1f} m, in the reference world over {wide:.1f} m"
+            swings, should = _swings(across), _swings(expected)
+        else:
+            return ""
+        if not abs(swings - should) <= SWINGS * should:
+            return f"swings {swings:.1f} times in the time of {should:.1f} in the reference world"
+        return ""
+
+    def _places(self, tracks: Tracks) -> NDArray[np.float64]:
+        """Return the actor's places across the road in all steps of a run, m."""
+        return np.array(
+            [self.road.locate(float(x), float(y))[1] for x, y in tracks.poses[:, 1, :2]]
+        )
 
 
 def _swings(values: NDArray[np.float64]) -> float:
