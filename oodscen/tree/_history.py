@@ -42,17 +42,14 @@ def version_at(
     if sum(choice is not None for choice in (edit, round, stage)) != 1:
         raise UsageError("a moment is given by one of edit, round and stage")
     if edit is not None:
-        edit = whole_number("edit", edit, -MOST)
-        if not 0 <= edit <= len(edits):
-            raise UsageError(f"there is no moment after {edit} edits: the log has {len(edits)}")
-        return edit
+        return whole_number("edit", edit, 0, len(edits))
     if stage is not None:
         versions = [version for version, item in enumerate(edits, start=1) if item.stage == stage]
         if not versions:
             stages = ", ".join(sorted({item.stage for item in edits if item.stage}))
             raise UsageError(f"no edit is of the stage {stage!r} (there are: {stages or 'none'})")
         return versions[-1]
-    return _version_after_round(edits, whole_number("round", round, -MOST))
+    return _version_after_round(edits, whole_number("round", round))
 
 
 def undo(tree: "ScenarioTree", index: int | None = None) -> "ScenarioTree":
@@ -77,7 +74,7 @@ def _last_in_force(tree: "ScenarioTree") -> int:
 
 def undo_round(tree: "ScenarioTree", round: int, *, origin: str = "") -> "ScenarioTree":
     """Undo the edits of a round that are still in force; see `ScenarioTree.undo`."""
-    round = whole_number("round", round, -MOST)
+    round = whole_number("round", round)
     edits = tree.edits
     undoing = _Undoing(tree)
     for index, edit in reversed(list(enumerate(edits))):

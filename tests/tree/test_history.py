@@ -55,7 +55,8 @@ def test_rounds_and_stages_are_moments():
 
 
 @pytest.mark.parametrize(
-    "moment", [{}, {"edit": 1, "round": 1}, {"edit": 9}, {"edit": -1}, {"stage": "nobody"}]
+    "moment",
+    [{}, {"edit": 1, "round": 1}, {"edit": 9}, {"edit": -1}, {"round": -1}, {"stage": "nobody"}],
 )
 def test_what_is_no_moment_is_refused(moment):
     with pytest.raises(UsageError):
