@@ -28,7 +28,7 @@ def test_the_interval_holds_the_value_and_repeats():
         assert found == auroc_interval(a, b, is_paired=paired, seed=3)
     labels = [str(i // 10) for i in range(60)]
     assert auroc_interval(a, b, labels).interval.is_clustered
-    assert auroc_interval(a, b, labels).interval.units == 2
+    assert auroc_interval(a, b, labels).interval.units == 6
     assert auroc_interval(a, b, ["x"] * 60).interval is None
     assert auroc_interval(a[:1], b).interval is None
 
