@@ -53,6 +53,7 @@ class Imagination:
         self.recogniser = recogniser
         self.habits = habits or Habits()
         self._order = stream(seed, "repertoire").permutation(len(knowledge.hazards))
+        self._ranks = np.argsort(self._order)
         self._first = [hazard for hazard in knowledge.hazards if hazard.first]
         self._named = lru_cache(maxsize=8)(self._hazards_named)
 
@@ -60,27 +61,24 @@ class Imagination:
         """Draw a hazard; covered, thin and refused labels count only if the question names them."""
         hazards, candidates = self.knowledge.hazards, self._order
         listening, following, quantile = rng.random(), rng.random(), rng.random()
+        named = self._named(prompt.covered, prompt.refused)
         if self._first and rng.random() < self.habits.favours:
-            named = self._named(prompt.covered, prompt.refused)
             first = [hazard for hazard in self._first if hazard.id not in named]
             if first:
                 return first[int(quantile * len(first))]
-        if (prompt.covered or prompt.refused) and listening < self.habits.listens:
-            named = self._named(prompt.covered, prompt.refused)
+        if listening < self.habits.listens:
             new = [index for index in candidates if hazards[index].id not in named]
             if prompt.thin and following < self.habits.follows:
                 families = {self.recogniser.family(label) for label in prompt.thin}
                 thin = [index for index in new if hazards[index].family in families]
                 new = thin or new
             if new:
-                candidates = np.array(new, dtype=np.int64)
+                candidates = np.array(new)
         return hazards[self._draw(candidates, quantile)]
 
     def _draw(self, candidates: NDArray[np.int64], quantile: float) -> int:
         """Return the candidate at a quantile of the weights by rank."""
-        ranks = np.empty(len(self._order), np.int64)
-        ranks[self._order] = np.arange(len(self._order))
-        steps = (ranks[candidates] - self.habits.repertoire) / self.habits.softness
+        steps = (self._ranks[candidates] - self.habits.repertoire) / self.habits.softness
         # The best remaining rank sets the scale, so that the next one is drawn even far from the
         # repertoire.
         weights = -np.logaddexp(0.0, steps)
