@@ -37,27 +37,27 @@ def bars(rows: Sequence[ScoreRow], models: Sequence[str], title: str) -> Canvas:
 
     Args:
         rows: The scenario types.
-        models: Names, in the order of the bars; the n-th has the class `series-n`.
+        models: Names, in the order of the bars, which have the classes `series-0`, `series-1` ...
         title: Beginning of the text alternative for screen readers.
     """
     label = f"{title}, by scenario type: " + "; ".join(
         f"{row.label}: "
         + ", ".join(
-            f"{name} {bar.hits} of {bar.n}"
-            for name, bar in zip(models, row.bars, strict=True)
+            f"{model} {bar.hits} of {bar.n}"
+            for model, bar in zip(models, row.bars, strict=True)
             if bar
         )
         for row in rows
+        if any(row.bars)
     )
     height = 4.0 + sum(27 + len(row.bars) * (_BAR + _GAP) for row in rows)
     canvas = Canvas(label, height, kind="chart bars")
     y = 4.0
     for row in rows:
         canvas.text("name", 0, y + 11, short(row.label, 62))
-        top = y + 17
-        y = top
-        for index, bar in enumerate(row.bars):
-            _bar(canvas, bar, index, models[index], y)
+        top = y = y + 17
+        for index, (model, bar) in enumerate(zip(models, row.bars, strict=True)):
+            _bar(canvas, bar, index, model, y)
             y += _BAR + _GAP
         if row.chance is not None:
             x = _RIGHT * row.chance
@@ -69,12 +69,12 @@ def bars(rows: Sequence[ScoreRow], models: Sequence[str], title: str) -> Canvas:
 
 def _bar(canvas: Canvas, bar: ScoreBar | None, index: int, model: str, y: float) -> None:
     canvas.rect("track", 0, y, _RIGHT, _BAR)
-    if bar is None or not bar.n:
+    if bar is None:
         canvas.text("tick", _RIGHT + 8, y + 10, "–")
         return
     share, middle = bar.hits / bar.n, y + _BAR / 2
     title = f"{model}: {bar.hits} of {bar.n}"
-    canvas.rect(f"series-{index % 6}", 0, y, _RIGHT * share, _BAR, title)
+    canvas.rect(f"series-{index}", 0, y, _RIGHT * share, _BAR, title)
     canvas.path("span", [(_RIGHT * bar.low, middle), (_RIGHT * bar.high, middle)])
     words = canvas.text("tick", _RIGHT + 8, y + 10, f"{round(100 * share)} % ")
     SubElement(words, "tspan", {"class": "of"}).text = f"of {bar.n}"
@@ -137,10 +137,10 @@ def shares(counts: Sequence[tuple[str, int]]) -> Canvas:
     width, total, start = 220.0, sum(count for _, count in counts), 0.0
     canvas = Canvas("", 16, width=width, kind="shares")
     for kind, count in counts:
-        size = width * count / total if total else 0.0
-        if size:
+        if count:
+            size = width * count / total
             canvas.rect(f"is-{kind}", start, 2, max(size - 1, 0.5), 12)
-        start += size
+            start += size
     return canvas
 
 
@@ -151,20 +151,15 @@ def intervals(rows: Sequence[tuple[str, float, float, float]]) -> Canvas:
         rows: Label, share, and the ends of its interval.
     """
     parts = "; ".join(f"{name} {round(100 * share)} %" for name, share, _, _ in rows)
-    canvas = Canvas(
-        f"Balanced accuracy of shortcuts: {parts}", 8.0 + 27 * len(rows), kind="chart bars"
-    )
+    height = 8.0 + 27 * len(rows)
+    canvas = Canvas(f"Balanced accuracy of shortcuts: {parts}", height, kind="chart bars")
     half = _RIGHT / 2
-    canvas.path(
-        "chance", [(half, 2), (half, 6.0 + 27 * len(rows))], "no better than guessing: 50 %"
-    )
-    y = 4.0
-    for name, share, low, high in rows:
-        canvas.text("name", 0, y + 10, short(name, 62))
-        middle = y + 18
+    canvas.path("chance", [(half, 2), (half, height - 2)], "no better than guessing: 50 %")
+    for index, (name, share, low, high) in enumerate(rows):
+        middle = 22.0 + 27 * index
+        canvas.text("name", 0, middle - 8, short(name, 62))
         canvas.path("grid", [(0, middle), (_RIGHT, middle)])
         canvas.path("span", [(_RIGHT * low, middle), (_RIGHT * high, middle)])
         canvas.circle("dot", _RIGHT * share, middle, 4)
         canvas.text("tick", _RIGHT + 8, middle + 4, f"{round(100 * share)} %")
-        y += 27
     return canvas

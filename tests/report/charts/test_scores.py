@@ -11,6 +11,7 @@ from oodscen.report._charts.scores import (
     ScoreRow,
     bars,
     confusion,
+    intervals,
     shares,
     whisker,
 )
@@ -37,6 +38,21 @@ def test_bars_are_well_formed_and_as_long_as_their_share(rows: list[tuple[str, i
     ]
     assert widths == pytest.approx([384 * min(hits, n) / n for _, hits, n in rows], abs=0.06)
     assert len(root.findall(".//path[@class='chance']")) == len(rows)
+
+
+def test_the_text_alternative_of_bars_leaves_out_what_nobody_answered() -> None:
+    rows = [ScoreRow("fog", [None, None]), ScoreRow("dog", [None, ScoreBar(1, 2, 0.1, 0.9)])]
+    root = etree.fromstring(bars(rows, ["m", "n"], "Safe action").__html__())
+    assert root.get("aria-label") == "Safe action, by scenario type: dog: n 1 of 2"
+    assert [one.text for one in root.iter("text")][1:3] == ["–", "–"]
+
+
+def test_every_shortcut_has_a_dot_at_its_accuracy_in_a_row_of_its_own() -> None:
+    rows = [("size", 0.5, 0.4, 0.6), ("<colour>", 0.75, 0.7, 0.8)]
+    root = etree.fromstring(intervals(rows).__html__())
+    dots = [(float(dot.get("cx")), float(dot.get("cy"))) for dot in root.iter("circle")]
+    assert dots == [(192, 22), (288, 49)]
+    assert root.get("aria-label") == "Balanced accuracy of shortcuts: size 50 %; <colour> 75 %"
 
 
 def test_confusion_marks_the_diagonal() -> None:
