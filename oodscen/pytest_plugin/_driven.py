@@ -39,11 +39,10 @@ class Driven:
     @cached_property
     def shown(self) -> State:
         """The moment that a failure shows: where needless braking begins, else the end of the drive."""
-        if not (self.is_safe and self.is_needless):
-            return self.states[-1]
-        for before, after in pairwise(self.states):
-            if brakes_hard(before, after):
-                return after
+        if self.is_safe and self.is_needless:
+            for before, after in pairwise(self.states):
+                if brakes_hard(before, after):
+                    return after
         return self.states[-1]
 
     @property
@@ -69,12 +68,11 @@ class Driven:
             return f"touches {touched} {end}"
         if result.off_road:
             return f"leaves the road {end}"
-        ttc = "none" if result.min_ttc_s is None else f"{result.min_ttc_s:.1f} s"
-        outcome = "is safe"
+        braking = ""
         if self.is_needless:
             start_s = self.shown.time
-            outcome += f", braking hard after {start_s:.2f} s although keeping the speed is safe"
-        return f"{outcome}; least time to collision {ttc}"
+            braking = f", braking hard after {start_s:.2f} s although keeping the speed is safe"
+        return f"is safe{braking}; least time to collision {_measured(result.min_ttc_s, 's')}"
 
     def __repr__(self) -> str:
         return f"<{self.result.driver} in {self.scene.id}: {self.outcome}>"
@@ -86,8 +84,7 @@ class Driven:
             safe_actions: The actions that were safe from the scene's decision on.
         """
         result = self.result
-        gap = "none" if result.min_gap_m is None else f"{result.min_gap_m:.1f} m"
-        ttc = "none" if result.min_ttc_s is None else f"{result.min_ttc_s:.2f} s"
+        gap, ttc = _measured(result.min_gap_m, "m"), _measured(result.min_ttc_s, "s")
         rows = [
             ("scene", self.scene.id),
             ("path", " > ".join(self.path)),
@@ -113,6 +110,10 @@ class Driven:
             nearest = min(self.states, key=lambda state: abs(state.time - time_s))
             moments[nearest.step] = nearest
         return [_moment(state) for state in moments.values()]
+
+
+def _measured(value: float | None, unit: str) -> str:
+    return "none" if value is None else f"{value:.2f} {unit}"
 
 
 def _moment(state: State) -> str:
