@@ -80,9 +80,8 @@ class ReplayLLM(Brief):
             self.name += f"#{self._model}"
         self._recording = Recording(path)
         if not len(self._recording):
-            raise DataError(
-                "recording", [Issue("line 1", "it is no exchange, nor is another")], source=path
-            )
+            issue = Issue("line 1", "is no exchange, and none follows")
+            raise DataError("recording", [issue], source=path)
         if self._model and self._model not in self._recording.models:
             raise UnknownComponent("recorded model", self._model, self._recording.models - {""})
 
