@@ -58,7 +58,7 @@ class Round(Data):
     once_in_km: float | None = Field(default=None, gt=0)
     """Kilometres in which a vehicle meets this kind about once; `None` if nothing tells."""
     once_in_km_by: Literal["model", "head"] | None = None
-    """The red-LLM, or the offline head of `Metrics.rarity` if the red-LLM gave no figure; `None` in older logs."""
+    """The red-LLM, or the offline head of `Metrics.rarity` if the red-LLM gave no figure."""
     decision: Decision | None = None
     """`None` if no answer came."""
     reason: str = ""
@@ -83,9 +83,8 @@ class Round(Data):
     """Number of the last round in the tree that the red-LLM saw; 0 is the initial tree."""
 
     @model_validator(mode="after")
-    def _has_split(self) -> Self:
+    def _consistent(self) -> Self:
         if self.decision == "split" and [edit.op for edit in self.edits[:2]] != ["broaden", "add"]:
-            raise IssuesError(
-                [Issue("edits", "a split widens a leaf, and adds one with its old label")]
-            )
+            fault = "a split widens a leaf, and adds one with its old label"
+            raise IssuesError([Issue("edits", fault)])
         return self
