@@ -58,8 +58,8 @@ class HighwaySimulator(RestorableSimulator):
         control = self.staged.within_grip(control, ego.speed)
         # The axles of a body of highway-env are its length apart.
         turn = math.tan(control.steering) * ego.LENGTH / self.wheelbase
-        braking = max(control.acceleration, -ego.speed / self.dt)
-        ego.act({"acceleration": braking, "steering": math.atan(turn)})
+        acceleration = max(control.acceleration, -ego.speed / self.dt)
+        ego.act({"acceleration": acceleration, "steering": math.atan(turn)})
         self._road.act()
         self._road.step(self.dt)
 

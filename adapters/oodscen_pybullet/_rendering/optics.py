@@ -36,6 +36,7 @@ _GRAIN = 4
 """Largest grain, of 255."""
 TINY = np.float32(1.0 / 255.0)
 """One step of a byte as a fraction."""
+_LOW_BITS = np.uint64(0xFFFF_FFFF)
 
 
 @inlined
@@ -66,9 +67,6 @@ def cloud_share(cloud: Any, edge: Any, floor: Any) -> Any:
     """Return the fraction of the blue sky hidden by a cloud of some density."""
     share = (cloud - edge) * _CLOUD_STEEP
     return np.maximum(np.minimum(np.maximum(share, _ZERO), _ONE), floor)
-
-
-_LOW_BITS = np.uint64(0xFFFF_FFFF)
 
 
 @inlined

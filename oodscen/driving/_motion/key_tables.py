@@ -51,21 +51,22 @@ def key_table(motions: Sequence[Motion], bodies: int) -> tuple[list[list[float]]
             [at, *pose, *slopes]
             for at, pose, slopes in zip(track.at, track.poses, track.slopes, strict=True)
         ]
-        if len(track.at) == 1:
-            rows.append([1.0, *track.poses[0], *track.slopes[0]])
+        if len(track.at) == 1:  # The kernels move between two keys.
+            rows.append([1.0, *rows[-1][1:]])
     return rows, firsts
 
 
 def key_codes(motion: Motion, first: int) -> list[int]:
     """Return the columns of `Situation.codes` from `KEY` on."""
+    poses = motion.poses()
     return [
         first,
-        max(2, len(motion.poses())),
+        max(2, len(poses)),
         _FRAMES[motion.frame],
         _ARGUMENTS[motion.by],
         _FACINGS[motion.facing],
         _ENDINGS[motion.then],
-        int(motion.is_tilting or any(pose.up < 0.0 for pose in motion.poses())),
+        int(motion.is_tilting or any(pose.up < 0.0 for pose in poses)),
     ]
 
 
