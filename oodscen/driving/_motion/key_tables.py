@@ -29,7 +29,7 @@ from oodscen.driving._motion.keyframes import (
     YAW,
     keep_place_on_other,
 )
-from oodscen.numerics._exact import TAU, quantised, sincos, wrapped
+from oodscen.numerics._exact import PI, TAU, atan2, quantised, sincos, wrapped
 
 _FRAMES = {"start": START, "lane": LANE, "other": OTHER, "ego": EGO}
 _ARGUMENTS = {"time": TIME, "ego": DISTANCE}
@@ -89,20 +89,26 @@ def key_traits(motion: Motion, actor: str, seed: int) -> Mapping[int, float]:
 
 def pose_first(w: Situation, i: int) -> bool:
     """Put an actor into the first of its key poses, and return whether it goes with another body."""
-    state, traits, frame = w.state, w.traits, w.codes[i, col.FRAME]
+    state, traits, codes = w.state, w.traits, w.codes
+    frame, facing, first = (codes[i, column] for column in (col.FRAME, col.FACING, col.KEY))
+    values = [traits[first, col.POSE + axis] for axis in range(6)]
+    askew = along = aside = 0.0
     if frame in (START, LANE):
         traits[i, col.APART_X], traits[i, col.APART_Y] = state[i, col.X], state[i, col.Y]
         traits[i, col.APART_YAW] = state[i, col.YAW if frame == START else col.HEADING]
-    state[i, COURSE] = state[i, col.YAW]
-    first = w.codes[i, col.KEY]
-    values = [w.traits[first, col.POSE + axis] for axis in range(6)]
-    state[i, col.YAW] = quantised(wrapped(state[i, col.YAW] + values[YAW]))
-    state[i, col.HEADING] = quantised(wrapped(state[i, col.HEADING] + values[YAW]))
-    if frame in (START, LANE) and w.codes[i, col.THEN] != REPEAT:
         # The keys lie along the frame, which an actor on the road need not face.
         askew = traits[i, col.APART_YAW] if frame == LANE else 0.0
-        sine, cosine = sincos(askew + values[YAW])
-        along, aside = (w.traits[first, col.SLOPE + axis] for axis in (AHEAD, LEFT))
+        if codes[i, col.THEN] != REPEAT:
+            along, aside = (traits[first, col.SLOPE + axis] for axis in (AHEAD, LEFT))
+    turn = 0.0
+    if facing != FIXED and (along or aside):
+        turn = atan2(aside, along) - askew + (PI if facing == AGAINST else 0.0)
+    state[i, COURSE] = quantised(wrapped(state[i, col.YAW] + turn))
+    turn += values[YAW]
+    state[i, col.YAW] = quantised(wrapped(state[i, col.YAW] + turn))
+    state[i, col.HEADING] = quantised(wrapped(state[i, col.HEADING] + turn))
+    if along or aside:
+        sine, cosine = sincos(askew + turn)
         state[i, col.SPEED] = quantised((along * cosine + aside * sine) * traits[i, col.PACE])
     state[i, col.LIFT] = quantised(values[UP])
     state[i, col.PITCH], state[i, col.ROLL] = quantised(values[PITCH]), quantised(values[ROLL])

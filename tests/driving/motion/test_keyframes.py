@@ -173,18 +173,20 @@ def test_what_comes_on_keeps_coming_through_its_delay() -> None:
 @given(
     st.sampled_from(["start", "lane"]), st.floats(-180.0, 180.0), st.integers(-8, 8),
     st.integers(-8, 8), st.integers(-180, 180), st.sampled_from([0, 0.3]),
+    st.sampled_from(["fixed", "along", "against"]),
 )  # fmt: skip
-def test_what_comes_on_has_its_speed_from_the_start(
-    frame: str, heading_deg: float, ahead: int, left: int, yaw: int, pace: float
+def test_what_comes_on_has_its_speed_and_faces_its_way_from_the_start(
+    frame: str, heading_deg: float, ahead: int, left: int, yaw: int, pace: float, facing: str
 ) -> None:
     assume(ahead or left)
     keys = [{"at": 0, "yaw": yaw}, {"at": 2, "ahead": ahead, "left": left, "yaw": yaw}]
-    motion = made(body="loose", frame=frame, begins="moving", pace=pace, keys=keys)
+    motion = made(body="loose", frame=frame, facing=facing, begins="moving", pace=pace, keys=keys)
     placement = {"ahead_m": 25.0, "heading_deg": heading_deg}
     world = world_of(scene_of(motion, trigger={"kind": "time", "value": 1.0}, placement=placement))
-    speed = world.motion("thing").speed
+    speed, facing_rad = world.motion("thing").speed, world.poses()[2, 3]
     world.step(Control(0.0))
     assert world.motion("thing").speed == pytest.approx(speed, abs=1e-4)
+    assert math.remainder(world.poses()[2, 3] - facing_rad, math.tau) == pytest.approx(0, abs=1e-4)
 
 
 def test_what_nobody_carries_is_refused_by_the_name_of_its_motion() -> None:
