@@ -61,7 +61,7 @@ def drive(
     """Run driving stacks in the scenes and twins of the study in the folder OUT.
 
     Writes drives.jsonl, prints the results of all drivers in it and updates the report. The exit code is 1 if a
-    driver named here failed on an item; a collision is not a failure. An interrupted command keeps the drives that
+    driver named here failed on an item; a collision is not a failure. A command that is ended keeps the drives that
     have ended.
     """
     from oodscen._pipeline.drives import drive_all
@@ -113,7 +113,10 @@ def drive(
 def _save_results(
     study: "Study", batches: "Iterable[Sequence[DriveResult]]"
 ) -> "Sequence[DriveResult]":
-    """Add results to the study's, and return all; an error or interruption loses none of those before it."""
+    """Append results to the study's as they come, then put all in order and return them.
+
+    The end of the command, in whatever way, loses none of those before it.
+    """
     from oodscen.judging._drive_board import current_results
 
     scenes = study.scenes
@@ -121,7 +124,9 @@ def _save_results(
     has_driven = False
     try:
         for batch in batches:
-            by_id.update((result.id, result) for result in batch)
+            for result in batch:
+                study.store.append("drives.jsonl", result)
+                by_id[result.id] = result
             has_driven = True
     except BaseException:
         if has_driven:

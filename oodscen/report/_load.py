@@ -117,8 +117,8 @@ def read(study: Study) -> Material:
     material.episodes = files.table("episodes", Episode)
     material.verdicts = files.table("verdicts", Verdict)
     material.whole = files.optional_rows("episodes.paper.jsonl", Episode)
-    drives = files.optional_rows("drives.jsonl", DriveResult)
-    material.drives = current_results(drives, material.scenes)
+    drives = {row.id: row for row in files.optional_rows("drives.jsonl", DriveResult)}
+    material.drives = current_results(drives.values(), material.scenes)
     if lost := len(drives) - len(material.drives):
         note = f"{lost} results in drives.jsonl are of scenes that have changed since, and left out"
         files.note("drives.jsonl", note)

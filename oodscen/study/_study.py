@@ -288,8 +288,8 @@ class Study(Brief, StudyUses):
 
     @property
     def drives(self) -> list[DriveResult]:
-        """The results of `oodscen drive`."""
-        return self._rows(DriveResult, "drives.jsonl")
+        """The results of `oodscen drive`, the last of each drive."""
+        return list({row.id: row for row in self._rows(DriveResult, "drives.jsonl")}.values())
 
     def leaderboard(self) -> Leaderboard:
         """Return the leaderboard of the study's verdicts, as in `leaderboard.json`.

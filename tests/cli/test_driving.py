@@ -8,6 +8,7 @@ from click.testing import CliRunner
 
 from oodscen import Study
 from oodscen._cli import main
+from oodscen.report._load import read
 
 STACK = """
 from oodscen.driving._motion.actions import Cruise
@@ -170,6 +171,40 @@ def test_an_interrupted_command_keeps_the_drives_that_have_ended(with_stack, tmp
     assert found.exit_code == 130
     lines = (tmp_path / "out" / "drives.jsonl").read_text().splitlines()
     assert [json.loads(line)["driver"] for line in lines] == ["rule-based"] * 2
+
+
+def test_a_drive_is_kept_as_soon_as_it_has_ended(with_stack, tmp_path) -> None:
+    with_stack(
+        "stack_peeking",
+        "from pathlib import Path\n"
+        "from oodscen.protocols import Control\n"
+        "class Peeking:\n"
+        "    def act(self, _):\n"
+        "        assert 'rule-based' in Path('out/drives.jsonl').read_text()\n"
+        "        return Control()\n",
+    )
+    names = ("rule-based", "stack_peeking:Peeking")
+    drivers = [option for name in names for option in ("--driver", name)]
+    for _ in range(2):
+        found = CliRunner().invoke(main, ["drive", "out", *drivers, "--workers", "0"])
+        assert found.exit_code == 0, found.output
+        results = Study.open(tmp_path / "out").drives
+        lines = (tmp_path / "out" / "drives.jsonl").read_text().splitlines()
+        assert len(lines) == len(results) == 4
+        assert {result.status for result in results} == {"ok"}
+
+
+def test_of_a_drive_that_was_driven_again_the_last_result_counts(with_stack, tmp_path) -> None:
+    CliRunner().invoke(main, ["drive", "out", "--workers", "0"])
+    table = tmp_path / "out" / "drives.jsonl"
+    study = Study.open(tmp_path / "out")
+    results = study.drives
+    text = table.read_text()
+    first = text.splitlines(keepends=True)[0]
+    table.write_text(first.replace("true", "false") + text)
+    assert study.drives == results
+    assert read(study).drives == results
+    assert "drives.jsonl" not in read(study).gaps
 
 
 def test_a_driver_that_is_named_twice_drives_once(with_stack, tmp_path) -> None:
