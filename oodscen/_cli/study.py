@@ -57,7 +57,7 @@ if TYPE_CHECKING:
     type=click.IntRange(min=4_096),
     help="Context window of --llm in tokens, e.g. 8192; longer questions are shortened.",
 )
-@click.option("--fallback", help="Model to ask if the others give no answer.")
+@click.option("--fallback", help="Model to ask if the others give no answer at all.")
 @click.option(
     "--rarity-llm", help="Model that also estimates the rarity of the texts.  [default: none]"
 )

@@ -77,9 +77,9 @@ def test_a_language_model_is_named(make_study: Callable[..., Study]) -> None:
     top = section(page(make_study(llm="gpt-4o", red_llm="builtin")), "top")
     assert "written by the language model “gpt-4o”" in top
     assert "imagined by the built-in writer, not a language model" in top
-    assert "left unanswered" not in top
+    assert "without an answer" not in top
     top = section(page(make_study(llm="gpt-4o", fallback="builtin")), "top")
-    assert "left unanswered was written by the built-in writer, not a language model" in top
+    assert "without an answer went to the built-in writer, not a language model" in top
 
 
 def test_counts_and_metrics_stand_beside_the_papers(study: Study) -> None:
