@@ -205,7 +205,7 @@ def writing(target: Path, kind: type[OodscenError] = OodscenError) -> Iterator[N
     try:
         yield
     except OSError as error:
-        is_broken = target.is_symlink() and not target.exists()
+        is_broken = os.path.islink(target) and not os.path.exists(target)
         reason = "it is a broken link" if is_broken else error.strerror or error
         raise kind(f"cannot write {target}: {reason}") from None
     except ValueError as error:  # A name with a null byte, or one that cannot be encoded.
