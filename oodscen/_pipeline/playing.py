@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from oodscen._members import using
 from oodscen._registry import make_simulator
+from oodscen._words.text import first_few
 from oodscen.data._drive_result import DriveResult
 from oodscen.data._pairing import scene_of, twin_id
 from oodscen.data._scene import Scene
@@ -13,9 +14,6 @@ from oodscen.judging._drive_board import current_results
 from oodscen.protocols import Simulator
 from oodscen.stages._drive import DrivePlan, is_needless, paired
 from oodscen.study._study import Study
-
-_NAMED = 5
-"""Scenes that are named in an error."""
 
 
 def enter_played(study: Study, drives: Sequence[DriveResult], *, is_replacing: bool) -> None:
@@ -56,7 +54,7 @@ def enter_played(study: Study, drives: Sequence[DriveResult], *, is_replacing: b
     ]
     if other and not is_replacing:
         raise UsageError(
-            f"{driver} has another result for {', '.join(other[:_NAMED])} already, which --replace replaces"
+            f"{driver} has another result for {first_few(other)} already, which --replace replaces"
         )
     study.store.write_lines("drives.jsonl", list(table.values()))
 

@@ -15,6 +15,7 @@ from oodscen.data._scene import Scene
 from oodscen.data._verdict import Verdict
 from oodscen.errors import OodscenError
 from oodscen.judging._drive_board import DriveBoard, current_results, drive_board
+from oodscen.judging._items import last_by
 from oodscen.judging._shortcuts.audit import Audit
 from oodscen.metrics._measurements import Measurements
 from oodscen.report._tolerant_reader import NO_REASON, FailedItem, TolerantReader, make_printable
@@ -117,8 +118,8 @@ def read(study: Study) -> Material:
     material.episodes = files.table("episodes", Episode)
     material.verdicts = files.table("verdicts", Verdict)
     material.whole = files.optional_rows("episodes.paper.jsonl", Episode)
-    drives = {row.id: row for row in files.optional_rows("drives.jsonl", DriveResult)}
-    material.drives = current_results(drives.values(), material.scenes)
+    drives = last_by(files.optional_rows("drives.jsonl", DriveResult), lambda row: row.id)
+    material.drives = current_results(drives, material.scenes)
     if lost := len(drives) - len(material.drives):
         note = f"{lost} results in drives.jsonl are of scenes that have changed since, and left out"
         files.note("drives.jsonl", note)

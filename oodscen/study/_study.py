@@ -29,6 +29,7 @@ from oodscen.errors import (
     UnknownComponent,
 )
 from oodscen.judging._drive_board import DriveBoard, drive_board
+from oodscen.judging._items import last_by
 from oodscen.judging._leaderboard.board import Leaderboard
 from oodscen.judging._leaderboard.requirements import (
     RequirementResult,
@@ -289,7 +290,7 @@ class Study(Brief, StudyUses):
     @property
     def drives(self) -> list[DriveResult]:
         """The results of `oodscen drive`, the last of each drive."""
-        return list({row.id: row for row in self._rows(DriveResult, "drives.jsonl")}.values())
+        return last_by(self._rows(DriveResult, "drives.jsonl"), lambda row: row.id)
 
     def leaderboard(self) -> Leaderboard:
         """Return the leaderboard of the study's verdicts, as in `leaderboard.json`.
