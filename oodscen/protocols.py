@@ -96,6 +96,8 @@ class Completion(Data):
     """True if the text ends because a limit on its length was reached."""
     instead: InsteadOfText | None = None
     """The part of the response that stood in place of a text, if there was none."""
+    answered_by: str | None = None
+    """Name of the model that answered, if the one that was asked passes questions on, as a fallback does."""
 
     @field_validator("text")
     @classmethod

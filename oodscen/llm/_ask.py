@@ -67,21 +67,21 @@ def ask(
     question = messages = prompt.messages()
     schema = prompt.answer_schema()
     issues: list[Issue] = []
-    raw = ""
+    raw, name = "", llm.name
     for attempt in range(1, attempts + 1):
         try:
             completion = complete(llm, Request(prompt, messages, schema, sample, attempt))
         except ReplayMiss as miss:
             refused = [Issue("the answer before", str(issue)) for issue in issues]
             raise ReplayMiss(miss.model, miss.purpose, [*refused, *miss.differences]) from None
-        raw = clean_answer(completion.text)
+        raw, name = clean_answer(completion.text), completion.answered_by or llm.name
         issues = incompleteness(raw, is_cut_off=completion.is_cut_off, instead=completion.instead)
         if not issues:
             answer, issues = read(raw) if read else read_answer(raw, answer_type, checks)
             if answer is not None:
                 return answer
         messages = (*question, *repair(raw, issues))
-    raise AnswerError(llm.name, prompt.purpose, issues, raw, attempts)
+    raise AnswerError(name, prompt.purpose, issues, raw, attempts)
 
 
 def clean_answer(text: str) -> str:

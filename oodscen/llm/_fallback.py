@@ -33,9 +33,15 @@ class FallbackLLM(Brief):
         """
         if not self._is_down:
             try:
-                return complete(self._first, request)
+                return _asked(self._first, request)
             except EndpointDown:
                 self._is_down = True
             except LLMError:
                 pass
-        return complete(self._second, request)
+        return _asked(self._second, request)
+
+
+def _asked(llm: LLM, request: Request) -> Completion:
+    """Return the answer of a model, with its name."""
+    completion = complete(llm, request)
+    return completion.model_copy(update={"answered_by": completion.answered_by or llm.name})

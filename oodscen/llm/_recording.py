@@ -39,7 +39,7 @@ class Exchange(LeanData):
     """One question and its answer, as a line of a recording, without credentials."""
 
     noun: ClassVar[str] = "exchange"
-    _left_out: ClassVar[tuple[str, ...]] = ("instead",)
+    _left_out: ClassVar[tuple[str, ...]] = ("instead", "answered_by")
 
     purpose: str
     """The prompt's purpose, e.g. `stage-scene`."""
@@ -52,7 +52,7 @@ class Exchange(LeanData):
     attempt: int = Field(default=1, ge=1, strict=True)
     """Above 1 if the last turns ask for a repair."""
     model: str = ""
-    """Name of the model that answered."""
+    """Name of the model that was asked."""
     prompt_version: str = ""
     """Hash of template and answer schema."""
     usage: Usage = Usage()
@@ -64,6 +64,8 @@ class Exchange(LeanData):
     """`Completion.is_cut_off`."""
     instead: InsteadOfText | None = None
     """`Completion.instead`."""
+    answered_by: str | None = None
+    """`Completion.answered_by`."""
 
     @classmethod
     def of(cls, request: Request, completion: Completion, model: str, seconds: float) -> "Exchange":
@@ -81,6 +83,7 @@ class Exchange(LeanData):
             requests=completion.requests,
             is_cut_off=completion.is_cut_off,
             instead=completion.instead,
+            answered_by=completion.answered_by,
         )
 
     def completion(self) -> Completion:
@@ -91,6 +94,7 @@ class Exchange(LeanData):
             requests=0,
             is_cut_off=self.is_cut_off,
             instead=self.instead,
+            answered_by=self.answered_by,
         )
 
     def key(self) -> str:

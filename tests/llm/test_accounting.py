@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen._registry import make_llm
-from oodscen.errors import BudgetExceeded, EndpointDown, LLMError, UsageError
+from oodscen.errors import AnswerError, BudgetExceeded, EndpointDown, LLMError, UsageError
 from oodscen.llm._accounting import Ledger, account, accounts
 from oodscen.llm._ask import ask
 from oodscen.llm._call_log import Call, LoggedLLM
@@ -16,6 +16,7 @@ from oodscen.llm._capped import CappedLLM
 from oodscen.llm._fallback import FallbackLLM
 from oodscen.llm._remote.budget import Price
 from oodscen.llm._remote.limits import Limits
+from oodscen.llm._replay import RecordingLLM
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Completion, Usage
 from oodscen.testing import ScriptedLLM
@@ -87,6 +88,21 @@ def test_a_second_model_answers_where_the_first_does_not():
     for sample in range(2):
         ask(llm, QUESTION, sample)
     assert [(c.model, c.status) for c in calls] == [("a", "failed"), ("b", "ok"), ("a", "ok")]
+
+
+def test_the_model_that_answered_is_recorded_and_blamed(tmp_path):
+    def model(is_recording):
+        first = ScriptedLLM([LLMError("gone"), "no JSON"] if is_recording else [], name="a")
+        fallback = FallbackLLM(first, ScriptedLLM([GOOD] if is_recording else [], name="b"))
+        return RecordingLLM(fallback, tmp_path / "answers.jsonl")
+
+    for is_recording in (True, False):
+        llm = model(is_recording)
+        ask(llm, QUESTION)
+        with pytest.raises(AnswerError, match=r"^a gave no valid answer"):
+            ask(llm, QUESTION, 1, attempts=1)
+    lines = map(json.loads, (tmp_path / "answers.jsonl").read_text().splitlines())
+    assert [(x["model"], x["answered_by"]) for x in lines] == [(llm.name, "b"), (llm.name, "a")]
 
 
 @pytest.mark.parametrize("fault", [RuntimeError("no socket"), None])
