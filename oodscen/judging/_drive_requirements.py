@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from oodscen.data._drive_result import DriveResult
-from oodscen.data._pairing import scene_of
+from oodscen.data._pairing import scene_of, twin_id
 from oodscen.data._scenario import Scenario
 from oodscen.judging._drive_board import (
     HARDLY_DRIVES,
@@ -79,14 +79,35 @@ def drive_requirements(
     return results
 
 
-def counts_a_miss(drives: Iterable[DriveResult], bars: Sequence[Bar]) -> bool:
-    """Return whether a bar counts one of a test's drives as a miss; none does if the stack failed in one of them."""
-    drives = list(drives)
+def counts_a_miss(
+    drives: Sequence[DriveResult],
+    bars: Sequence[Bar],
+    *,
+    among: Iterable[DriveResult] | None = None,
+) -> bool:
+    """Return whether a bar counts one of a test's drives as a miss; none does if the stack failed in one of them.
+
+    Args:
+        drives: The test's drives.
+        bars: Bars on `DRIVE_FIGURES`.
+        among: All drives, without which every drive is taken to have the counterpart that `safe-both` needs.
+    """
     if any(drive.status == "failed" for drive in drives):
         return False
+    others = None if among is None else {(one.driver, one.scene_id) for one in among}
     return any(
-        _is_miss(drive, bar.figure) for drive in drives for bar in bars if drive.status == "ok"
+        _is_miss(drive, bar.figure)
+        for drive in drives
+        for bar in bars
+        if drive.status == "ok"
+        and (others is None or bar.figure != "safe-both" or _counterpart(drive) in others)
     )
+
+
+def _counterpart(drive: DriveResult) -> tuple[str, str]:
+    """Return the driver, and the scene of a twin or the twin of a scene."""
+    scene = drive.scene_id
+    return drive.driver, scene_of(scene) if drive.is_twin else twin_id(scene)
 
 
 def _is_miss(drive: DriveResult, name: str) -> bool:

@@ -20,6 +20,7 @@ from oodscen.pytest_plugin._subtests import Subtests
 
 if TYPE_CHECKING:
     from oodscen.data._catalogue import Catalogue
+    from oodscen.data._drive_result import DriveResult
     from oodscen.data._scene import Scene
     from oodscen.pytest_plugin._driving import Drive
     from oodscen.pytest_plugin._scenes import Scenes
@@ -189,12 +190,14 @@ class DrivingSession:
             self._add_sections(report, drive)
         self._add_properties(item, report, scene, drive, change)
         own_drives = subtests.own_drives(drive, call) if drive else []
+        forgiven: list[DriveResult] = []
         reason = subtests.all_forgiven if report.passed and subtests.is_over else None
         if report.failed:
             if self._baseline.has_file:
                 reason = self._baseline.forgives(change)
             else:
                 reason = self._grades.forgives(call, own_drives)
+                forgiven = own_drives if reason else []
             subtests.forgiven.append(reason)
         if reason:
             report.outcome = "skipped"
@@ -204,6 +207,7 @@ class DrivingSession:
             "known": known_test.model_dump(),
             "change": change,
             "drives": driven,
+            "forgiven": [result.model_dump(mode="json") for result in forgiven],
         }
         return report
 
@@ -256,7 +260,7 @@ class DrivingSession:
             return
         if "test" in carried:
             self._baseline.add(carried["test"], carried["known"], carried["change"])
-        self._grades.add(carried["drives"])
+        self._grades.add(carried["drives"], carried.get("forgiven", ()))
 
     def pytest_keyboard_interrupt(self) -> None:
         """Note that Ctrl-C or `pytest.exit` ends the session; its exit code may be that of a whole one."""

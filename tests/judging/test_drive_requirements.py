@@ -109,6 +109,18 @@ def test_a_miss_is_counted_under_its_own_figure(figure, good, bad) -> None:
     assert not counts_a_miss([bad], ())
 
 
+@pytest.mark.parametrize("is_twin", [False, True])
+def test_safe_both_counts_no_drive_without_its_counterpart(is_twin) -> None:
+    missed, other = drive(is_twin), drive(not is_twin, passed=True)
+    bars = parse_requirement("safe-both>=0.5", DRIVE_FIGURES)
+    assert counts_a_miss([missed], bars)
+    assert counts_a_miss([missed], bars, among=[missed, other])
+    elsewhere = other.model_copy(update={"driver": "another"})
+    assert not counts_a_miss([missed], bars, among=[missed, elsewhere])
+    found = grade([missed], "safe-both>=0.5").bars[0]
+    assert found.items == 0
+
+
 def test_a_drive_in_which_the_stack_failed_is_no_miss() -> None:
     bars = parse_requirement("safe>=0.5,safe-both>=0.5", DRIVE_FIGURES)
     missed, failed = drive(False), drive(False, status="failed")

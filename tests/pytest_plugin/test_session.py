@@ -215,6 +215,21 @@ def test_a_requirement_counts_failures_instead_of_failing_each(session):
     )
 
 
+def test_a_failure_that_no_bar_counts_in_the_end_fails_the_session(session):
+    """The bar on both counts a scene only if its twin is driven, in whichever test."""
+    both = session("Blind", "--oodscen-require=safe-both>=0")
+    assert both.ret == 0
+    assert "xfailed" in both.parseoutcomes()
+    alone = session("Blind", "--oodscen-require=safe-both>=0", "-k", "test_safe or kerb")
+    assert alone.ret == pytest.ExitCode.TESTS_FAILED
+    alone.stdout.fnmatch_lines(
+        [
+            "requirement not met, so the session fails: safe-both>=0*",
+            "safe-both counts no failure without a drive of scene and twin: box-001, box-002",
+        ]
+    )
+
+
 UNCOUNTED = """
 import stack
 
