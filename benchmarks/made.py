@@ -35,10 +35,10 @@ from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._scenery.roadside import build_scenery
 from oodscen_pybullet._types import Pose
 
-from oodscen.data import _shapes as shapes
-from oodscen.data._prop import Prop, check_prop
+from oodscen.data._designs import shapes
+from oodscen.data._designs.prop import Prop, check_prop
+from oodscen.data._designs.shapes import Part
 from oodscen.data._scene import Weather
-from oodscen.data._shapes import Part
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import DataError

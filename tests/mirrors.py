@@ -6,7 +6,7 @@ from typing import Any
 from lxml import etree
 
 from oodscen.data._scene import Scene
-from oodscen.driving._motion.behaviours import BUILT_IN
+from oodscen.driving._motion.behaviours.table import BUILT_IN
 
 _SIDEWAYS = (
     *("y", "hdg", "curvature", "curvStart", "curvEnd", "t", "v", "hOffset", "aV", "bV", "cV", "dV"),

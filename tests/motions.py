@@ -4,7 +4,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from oodscen.data._motion import ABILITIES, Motion
+from oodscen.data._designs.motion import ABILITIES, Motion
 from oodscen.errors import DataError
 
 TOPPLE: dict[str, Any] = {
@@ -63,8 +63,8 @@ def _keys(draw: st.DrawFn) -> dict[str, Any]:
 
 
 @st.composite
-def motions(draw: st.DrawFn) -> dict[str, Any]:
-    """Draw a motion that its body can do, mostly."""
+def motions(draw: st.DrawFn, **fixed: str) -> dict[str, Any]:
+    """Draw a motion that its body can do, mostly, with some fields as given."""
     body = draw(st.sampled_from(sorted(ABILITIES)))
     shapes = st.one_of(_keys(), st.sampled_from(_COURSES), st.sampled_from(_AIRY))
     return {
@@ -77,6 +77,7 @@ def motions(draw: st.DrawFn) -> dict[str, Any]:
         "pace": draw(st.sampled_from([0, 0.3])),
         "begins": draw(st.sampled_from(["rest", "rest", "moving"])),
         **draw(shapes),
+        **fixed,
     }
 
 
@@ -89,6 +90,6 @@ def is_sound(table: dict[str, Any]) -> bool:
     return True
 
 
-def sound_motions() -> st.SearchStrategy[Motion]:
-    """Draw a motion that its body can do."""
-    return motions().filter(is_sound).map(Motion.parse)
+def sound_motions(**fixed: str) -> st.SearchStrategy[Motion]:
+    """Draw a motion that its body can do, with some fields as given."""
+    return motions(**fixed).filter(is_sound).map(Motion.parse)

@@ -3,8 +3,8 @@
 from hypothesis import strategies as st
 
 from oodscen.data._claim import NUMBERS, OF_THINGS, VALUES, Claim
-from oodscen.data._motion import Motion
-from oodscen.data._prop import Prop
+from oodscen.data._designs.motion import Motion
+from oodscen.data._designs.prop import Prop
 from oodscen.prompts._judging.name_aspect import OodAspect
 from oodscen.prompts._tree.imagine_scenario import ImaginedScenario
 from oodscen.prompts._tree.judge_branch import (

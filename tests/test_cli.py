@@ -61,7 +61,7 @@ def test_python_dash_m_is_the_same_program():
     assert printed == f"oodscen, version {__version__}\n"
 
 
-@pytest.mark.parametrize("module", ["click", "oodscen._cli", "oodscen._cli.tree"])
+@pytest.mark.parametrize("module", ["click", "oodscen._cli", "oodscen._cli.commands.tree"])
 def test_an_interruption_while_modules_are_imported_is_one_line(module):
     code = f"""
 import sys

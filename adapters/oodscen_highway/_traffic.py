@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.driving import Corridor, StagedScene
-from oodscen.driving._motion.behaviours import having
+from oodscen.driving._motion.behaviours.table import having
 from oodscen.driving._motion.lane_keeping import PEAK
 
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")  # Its greeting goes to standard output.

@@ -5,7 +5,7 @@ from functools import lru_cache
 from importlib.resources import files
 
 from oodscen.data._catalogue import Catalogue
-from oodscen.driving._motion.behaviours import BEHAVIOURS
+from oodscen.driving._motion.behaviours.table import BEHAVIOURS
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from oodscen.data import Catalogue, Scene
 from oodscen.driving import DynamicSimulator, KinematicWorld, StagedScene
-from oodscen.driving._motion.behaviours import having
+from oodscen.driving._motion.behaviours.table import having
 from oodscen.driving._motion.lane_keeping import PEAK
 from oodscen.errors import Issue, SimulatorError, SpawnError
 from oodscen.protocols import Camera, Control, Frame

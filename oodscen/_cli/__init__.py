@@ -17,7 +17,7 @@ from typing import Any
 
 import click
 
-from oodscen._cli import (
+from oodscen._cli.commands import (
     claims,
     completion,
     components,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from oodscen._cli.completion import ComponentName
+from oodscen._cli.commands.completion import ComponentName
 from oodscen._cli.numbers import SHARE, FiniteRange
 from oodscen._cli.paths import OutputName
 from oodscen._entry_points import DEFAULT_LLM, is_asked, is_builtin

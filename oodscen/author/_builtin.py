@@ -23,7 +23,7 @@ from oodscen.author._staging.drafting import Stager
 from oodscen.author._taxonomy import TreeAuthor
 from oodscen.author._writing.compose import Composer
 from oodscen.author._writing.ordinary_twin import OrdinaryAuthor
-from oodscen.driving._motion.behaviours import USUAL
+from oodscen.driving._motion.behaviours.table import USUAL
 from oodscen.errors import LLMError
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._scenario.describe_ordinary import DescribeOrdinary, OrdinaryText

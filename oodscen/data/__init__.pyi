@@ -3,8 +3,8 @@ from ._catalogue import BehaviourKind as BehaviourKind
 from ._catalogue import Catalogue as Catalogue
 from ._catalogue import RoadMap as RoadMap
 from ._catalogue import WeatherRange as WeatherRange
+from ._designs.prop import Prop as Prop
 from ._episode import Episode as Episode
-from ._prop import Prop as Prop
 from ._scenario import Scenario as Scenario
 from ._scene import Actor as Actor
 from ._scene import Behaviour as Behaviour

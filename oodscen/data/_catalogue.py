@@ -10,12 +10,12 @@ from oodscen._field_docs import with_fields
 from oodscen._words.decimals import exact
 from oodscen.data._base import Data, LeanData
 from oodscen.data._category import Category
+from oodscen.data._designs.motion import KEYED, Motion, motion_faults
+from oodscen.data._designs.prop import FLAT_M, Prop, check_prop, sizes_of
 from oodscen.data._detail_checks import check_details, unknown_words
 from oodscen.data._details import AssetDetails, DetailKinds, shown_as
 from oodscen.data._issues import IssuesError, below
 from oodscen.data._map_state import MapPart
-from oodscen.data._motion import KEYED, Motion, motion_faults
-from oodscen.data._prop import FLAT_M, Prop, check_prop, sizes_of
 from oodscen.data._scene import CLEAR_AIR_M, Actor, Precipitation, Scene, Weather
 from oodscen.errors import Issue
 

@@ -10,7 +10,7 @@ from oodscen.errors import Issue, close_matches
 
 if TYPE_CHECKING:
     from oodscen.data._catalogue import Asset
-    from oodscen.data._prop import Prop
+    from oodscen.data._designs.prop import Prop
 
 HELD_M: Size = (3.3, 2.2, 2.2)
 """Greatest length, width and height of what a person can hold, m; the length is the longer side."""

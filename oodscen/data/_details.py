@@ -12,7 +12,7 @@ from pydantic import (
 )
 
 from oodscen.data._base import Data, LeanData
-from oodscen.data._colours import LIT, rgb_of, unknown_colour
+from oodscen.data._designs.colours import LIT, rgb_of, unknown_colour
 
 if TYPE_CHECKING:
     from oodscen.data._catalogue import Asset

@@ -14,12 +14,12 @@ from oodscen._numbers import finite_number
 from oodscen._words.wording import is_left_out
 from oodscen.data._base import Data, LeanData
 from oodscen.data._claim import Claim
+from oodscen.data._designs.motion import Motion
+from oodscen.data._designs.prop import Prop
 from oodscen.data._details import Details
 from oodscen.data._issues import IssuesError, issues_of
 from oodscen.data._map_state import MapState
-from oodscen.data._motion import Motion
 from oodscen.data._pairing import is_ordinary, is_twin, twin_id
-from oodscen.data._prop import Prop
 from oodscen.data._scene_uses import SceneUses
 from oodscen.errors import Issue
 

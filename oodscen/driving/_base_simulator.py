@@ -11,7 +11,7 @@ from oodscen._numbers import said
 from oodscen.data._catalogue import BehaviourKind, Catalogue, RoadMap
 from oodscen.data._scene import Scene
 from oodscen.driving._frames import own_frame
-from oodscen.driving._motion.behaviours import BEHAVIOURS
+from oodscen.driving._motion.behaviours.table import BEHAVIOURS
 from oodscen.driving._motion.world import KinematicWorld
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor

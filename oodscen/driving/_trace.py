@@ -15,7 +15,7 @@ from oodscen._io.files import write_named, writing
 from oodscen._io.study_files import refuse_own
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._prop import FLAT_M
+from oodscen.data._designs.prop import FLAT_M
 from oodscen.data._scene import Scene
 from oodscen.driving import _trace_table as table
 from oodscen.driving._roads.building import load_corridor

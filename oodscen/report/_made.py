@@ -6,10 +6,10 @@ from functools import partial
 from typing import Any, TypeVar
 
 from oodscen._io.study_files import picture_of
-from oodscen.data._motion import ABILITIES, Motion
-from oodscen.data._prop import Prop
+from oodscen.data._designs.motion import ABILITIES, Motion
+from oodscen.data._designs.prop import Prop
+from oodscen.data._designs.survey import Survey, all_parts, survey
 from oodscen.data._scene import Scene
-from oodscen.data._survey import Survey, all_parts, survey
 from oodscen.report import _phrasing as words
 from oodscen.report._charts.frames import FramePicture, picture
 from oodscen.report._load import Material

@@ -5,10 +5,10 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from oodscen._words.decimals import seconds
+from oodscen.data._designs.motion import Motion
 from oodscen.data._details import Details
 from oodscen.data._episode import ActionOutcome
 from oodscen.data._map_state import MapState
-from oodscen.data._motion import Motion
 from oodscen.data._scene import (
     CLEAR_AIR_M,
     DUSK_DEG,
@@ -19,7 +19,7 @@ from oodscen.data._scene import (
     Trigger,
     Weather,
 )
-from oodscen.driving._motion.behaviours import BUILT_IN, USUAL
+from oodscen.driving._motion.behaviours.table import BUILT_IN, USUAL
 
 _STATES = {
     "brake": "brake lights",

@@ -15,8 +15,8 @@ from oodscen.claims._roads import fitting_roads, road_claims
 from oodscen.claims._things import may_be
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim, Mismatch
-from oodscen.data._motion import Motion
-from oodscen.data._prop import Prop
+from oodscen.data._designs.motion import Motion
+from oodscen.data._designs.prop import Prop
 from oodscen.data._scenario import Scenario
 from oodscen.data._scene import Scene, Trigger
 from oodscen.driving._sight.placement import check_scene

@@ -21,8 +21,8 @@ from oodscen.data._scene import (
     Visible,
     Weather,
 )
-from oodscen.driving._motion.behaviour_codes import Code
-from oodscen.driving._motion.behaviours import BUILT_IN
+from oodscen.driving._motion.behaviours.codes import Code
+from oodscen.driving._motion.behaviours.table import BUILT_IN
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor, ego_strip
 from oodscen.errors import OodscenError

@@ -3,8 +3,8 @@
 from typing import TYPE_CHECKING, NamedTuple
 
 from oodscen._io.study_files import ASSETS, MOTIONS
-from oodscen.data._motion import Motion
-from oodscen.data._prop import Prop
+from oodscen.data._designs.motion import Motion
+from oodscen.data._designs.prop import Prop
 from oodscen.stages._making.making import MadeProp
 from oodscen.stages._making.motions import made_motions
 

@@ -3,7 +3,7 @@
 from oodscen.data._catalogue import Asset, Catalogue, WeatherRange
 from oodscen.data._category import Category
 from oodscen.data._scene import PRECIPITATIONS
-from oodscen.driving._motion.behaviours import BEHAVIOURS
+from oodscen.driving._motion.behaviours.table import BEHAVIOURS
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 
 _LIGHTS = ("off", "brake", "hazard", "indicate_left", "indicate_right", "unlit")

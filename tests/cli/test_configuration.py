@@ -7,9 +7,9 @@ import pytest
 from click.testing import CliRunner
 
 from oodscen._cli import main
+from oodscen._cli.commands.init import commented
+from oodscen._cli.commands.study import run
 from oodscen._cli.configuration import RUN_SECTIONS, options_of, read_configuration
-from oodscen._cli.init import commented
-from oodscen._cli.study import run
 from oodscen.errors import DataError
 
 OPTIONS = options_of(run)

@@ -305,7 +305,7 @@ def test_no_word_of_the_caller_s_steers_a_terminal(tmp_path, name, place):
 def test_foreign_text_reaches_the_terminal_at_one_place():
     found = {
         path.stem
-        for path in Path(_cli.__file__).parent.glob("*.py")
+        for path in Path(_cli.__file__).parent.rglob("*.py")
         if "click.echo(" in path.read_text(encoding="utf-8")
     }
     assert found == {"output", "show", "completion"}  # Pictures and a script of our own.

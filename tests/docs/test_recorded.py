@@ -8,7 +8,7 @@ import pytest
 
 from oodscen import Augmenter, Pruner, RedTeamer, Scenario, TreeGrower, make_catalogue
 from oodscen.data import Prop
-from oodscen.data._motion import Motion
+from oodscen.data._designs.motion import Motion
 from oodscen.errors import LLMError
 from oodscen.prompts._scenario.extract_claims import ExtractClaims
 from oodscen.protocols import Request

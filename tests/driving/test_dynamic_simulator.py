@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from oodscen import simulate
 from oodscen._abilities import ChecksScenes, Snapshots
-from oodscen.data._motion import Motion
+from oodscen.data._designs.motion import Motion
 from oodscen.data._scene import Ego, Trigger
 from oodscen.driving import DynamicSimulator, KinematicWorld, RestorableSimulator, StagedScene
 from oodscen.driving._sight.placement import staging_issues

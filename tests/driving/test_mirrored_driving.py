@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen.data._motion import Motion
+from oodscen.data._designs.motion import Motion
 from oodscen.data._scene import Scene
 from oodscen.driving._drivers.r157 import R157Driver
 from oodscen.driving._drivers.rss import RSSDriver
 from oodscen.driving._drivers.rule_based import RuleBasedDriver
 from oodscen.driving._motion.actions import ActionDriver
-from oodscen.driving._motion.behaviours import BUILT_IN
+from oodscen.driving._motion.behaviours.table import BUILT_IN
 from oodscen.driving._motion.rollouts import Variation
 from oodscen.driving._motion.world import KinematicWorld
 from oodscen.driving._roads.building import load_corridor, read_map

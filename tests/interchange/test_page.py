@@ -1,5 +1,9 @@
-from oodscen._cli.export import export
-from oodscen.driving._motion.behaviours import BEHAVIOURS, MOVES_BEFORE_TRIGGER, WITHOUT_TRIGGER
+from oodscen._cli.commands.export import export
+from oodscen.driving._motion.behaviours.table import (
+    BEHAVIOURS,
+    MOVES_BEFORE_TRIGGER,
+    WITHOUT_TRIGGER,
+)
 from oodscen.interchange._reading import actions, positions, triggers
 from tests.interchange.page import table
 

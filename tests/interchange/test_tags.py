@@ -1,6 +1,6 @@
 import pytest
 
-from oodscen.driving._motion.behaviours import BUILT_IN
+from oodscen.driving._motion.behaviours.table import BUILT_IN
 from oodscen.errors import SceneError
 from oodscen.interchange._tags import KNOWN_TAGS, count_tags, openlabel, scene_tags
 from tests.driving.networks import file, lane, road

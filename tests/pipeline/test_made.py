@@ -7,7 +7,7 @@ import pytest
 from oodscen import Study, make_llm
 from oodscen._io.study_files import picture_of
 from oodscen._pipeline import run_study
-from oodscen.data._motion import Motion
+from oodscen.data._designs.motion import Motion
 from oodscen.errors import DataError, UsageError
 from oodscen.study._made import made_for
 from oodscen.study._stale import refuse_stale

@@ -4,8 +4,8 @@ from lxml import html
 
 from oodscen import Study
 from oodscen._io.study_files import picture_of
+from oodscen.data._designs.prop import Prop
 from oodscen.data._episode import Episode
-from oodscen.data._prop import Prop
 from oodscen.data._scene import Scene
 from oodscen.report._gallery import payload
 from oodscen.report._load import Material

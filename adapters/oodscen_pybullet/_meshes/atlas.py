@@ -7,7 +7,7 @@ from importlib.resources import files
 
 import numpy as np
 
-from oodscen.data._colours import LIT, rgb_of
+from oodscen.data._designs.colours import LIT, rgb_of
 from oodscen_pybullet._meshes.textures import paint_regions
 from oodscen_pybullet._types import U8, Array, Ints, Mask
 

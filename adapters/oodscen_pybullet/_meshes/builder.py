@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple, Self
 
 import numpy as np
 
-from oodscen.data._shapes import Caps, Rectangle
+from oodscen.data._designs.shapes import Caps, Rectangle
 from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.atlas import region_uv, swatch_uv
 from oodscen_pybullet._meshes.mesh import BY_DAY, Lamp, Mesh, Puff

@@ -5,9 +5,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 
-from oodscen.data import _shapes as shapes
-from oodscen.data._prop import Prop, sizes_of
-from oodscen.data._shapes import Part
+from oodscen.data._designs import shapes
+from oodscen.data._designs.prop import Prop, sizes_of
+from oodscen.data._designs.shapes import Part
 from oodscen_pybullet._catalogue import load_catalogue
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs import heaps, surfaces  # noqa: F401  # register their shapes

@@ -9,7 +9,7 @@ from oodscen._io.study_files import ASSETS, MOTIONS, picture_of
 from oodscen._pipeline.context import Context
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._motion import Motion
+from oodscen.data._designs.motion import Motion
 from oodscen.errors import DataError, Issue
 from oodscen.stages._making.looking import ShownProp
 from oodscen.stages._making.making import MadeProp, PropMaker

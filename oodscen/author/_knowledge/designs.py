@@ -6,8 +6,8 @@ from functools import cache
 from importlib.resources import files
 from typing import TypeVar
 
-from oodscen.data._motion import ABILITIES, Motion
-from oodscen.data._prop import Prop
+from oodscen.data._designs.motion import ABILITIES, Motion
+from oodscen.data._designs.prop import Prop
 from oodscen.prompts._scenario.design_motion import DesignedMotion, DesignMotion
 from oodscen.prompts._scenario.design_prop import DesignedProp, DesignProp
 

@@ -7,7 +7,7 @@ from oodscen.author._knowledge.base import AmbientTraffic
 from oodscen.author._staging.layout import Layout
 from oodscen.author._staging.told import Told
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
-from oodscen.driving._motion.behaviours import DRIVES_IN_LANE
+from oodscen.driving._motion.behaviours.table import DRIVES_IN_LANE
 from oodscen.prompts._digest import CatalogueDigest
 
 _MOST_AHEAD_M = 280.0

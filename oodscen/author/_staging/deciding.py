@@ -8,7 +8,7 @@ from oodscen.author._staging import decision_timing as timing
 from oodscen.author._staging.anchors import ahead_of_start
 from oodscen.author._staging.layout import Layout
 from oodscen.data._scene import Trigger
-from oodscen.driving._motion.behaviours import STAYS
+from oodscen.driving._motion.behaviours.table import STAYS
 
 DecisionDistance = Callable[[float], float]
 """Distance of the decision, m, as a function of the ego's speed, m/s."""

@@ -30,7 +30,7 @@ from oodscen.author._writing.stand_in import stand_in
 from oodscen.claims._roads import holds_by_traits, road_claims
 from oodscen.claims._things import may_be
 from oodscen.data._scene import Actor, Ego, Hazard
-from oodscen.driving._motion.off_centre import off_centre
+from oodscen.driving._motion.behaviours.off_centre import off_centre
 from oodscen.errors import LLMError
 from oodscen.prompts._digest import CatalogueDigest, MapLine
 from oodscen.prompts._scenario.stage_scene import SceneDraft, StageScene

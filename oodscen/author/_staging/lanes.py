@@ -7,7 +7,7 @@ import numpy as np
 
 from oodscen._words.text import folded_words
 from oodscen.author._knowledge.base import Counterpart, Drawn, Range, Recipe, RecipeActor
-from oodscen.driving._motion.behaviours import BUILT_IN, having
+from oodscen.driving._motion.behaviours.table import BUILT_IN, having
 from oodscen.prompts._digest import MapLine
 
 _BESIDE_M = 2.0

@@ -11,8 +11,8 @@ import numpy as np
 from oodscen.author._knowledge.base import Range, Recipe, RecipeActor
 from oodscen.claims._things import Thing
 from oodscen.data._scene import Actor, Trigger, Weather
-from oodscen.driving._motion.behaviour_row import Course
-from oodscen.driving._motion.behaviours import BUILT_IN
+from oodscen.driving._motion.behaviours.row import Course
+from oodscen.driving._motion.behaviours.table import BUILT_IN
 from oodscen.prompts._digest import AssetLine, CatalogueDigest, MapLine
 
 _DIRECTIONS: Mapping[Course, float] = {"lane": 1.0, "against": -1.0}

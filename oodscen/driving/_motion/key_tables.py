@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from oodscen._seeding import stream
-from oodscen.data._motion import ABILITIES, Motion
+from oodscen.data._designs.motion import ABILITIES, Motion
 from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.bodies import Situation
 from oodscen.driving._motion.keyframes import (

@@ -1,6 +1,6 @@
 """Movement through the key poses of motions made to order.
 
-The pose between two keys is that of a cubic, whose slopes are those of `oodscen.data._poses`. A body never moves
+The pose between two keys is that of a cubic, whose slopes are those of `oodscen.data._designs.poses`. A body never moves
 faster than its kind can, whatever its keys and the body that it follows do: it then lags behind. What stands on
 another body is carried along at that one's speed; the limit is then that of its own steps.
 """
@@ -8,7 +8,7 @@ another body is carried along at that one's speed; the limit is then that of its
 import math
 from typing import NamedTuple
 
-from oodscen.data._motion import EASE
+from oodscen.data._designs.motion import EASE
 from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.bodies import Situation, place_on, place_relative_to
 from oodscen.driving._roads.track import centre, point

@@ -9,10 +9,10 @@ from oodscen._seeding import stream
 from oodscen.data._catalogue import BehaviourKind, Catalogue
 from oodscen.data._scene import DARK_DEG, Actor, Scene
 from oodscen.driving._motion import columns as col
-from oodscen.driving._motion.behaviour_codes import IN_WORLD, Code
-from oodscen.driving._motion.behaviour_kernels import stand_in_world, stand_on_road
-from oodscen.driving._motion.behaviour_row import BehaviourRow
-from oodscen.driving._motion.behaviours import ATTACHED, BUILT_IN, QUICKNESS
+from oodscen.driving._motion.behaviours.codes import IN_WORLD, Code
+from oodscen.driving._motion.behaviours.kernels import stand_in_world, stand_on_road
+from oodscen.driving._motion.behaviours.row import BehaviourRow
+from oodscen.driving._motion.behaviours.table import ATTACHED, BUILT_IN, QUICKNESS
 from oodscen.driving._motion.bodies import Situation
 from oodscen.driving._motion.car_following import curve_speed
 from oodscen.driving._motion.key_tables import key_codes, key_table, key_traits, pose_first

@@ -4,7 +4,7 @@ import math
 
 from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.actions import SeenRoad
-from oodscen.driving._motion.behaviour_kernels import act, stand_in_world
+from oodscen.driving._motion.behaviours.kernels import act, stand_in_world
 from oodscen.driving._motion.bodies import GRAVITY, WHEELBASE, Situation, drive_ego
 from oodscen.driving._motion.boxes import Shape, box_gap, radius, shape
 from oodscen.driving._motion.car_following import curve_speed

@@ -1,7 +1,7 @@
 """The rules by which road users have their lamps on: head and tail lamps, brake lamps."""
 
 from oodscen.data._scene import Scene
-from oodscen.driving._motion.behaviours import having
+from oodscen.driving._motion.behaviours.table import having
 
 BRAKING = -1.0
 """Acceleration below which brake lamps are on, m/s^2."""

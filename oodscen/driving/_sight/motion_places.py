@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from oodscen.data._motion import Motion
+from oodscen.data._designs.motion import Motion
 from oodscen.data._scene import Actor, Scene
 from oodscen.driving._roads.corridor import Corridor, neighbour_strip
 from oodscen.errors import Issue

@@ -8,7 +8,7 @@ from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue
 from oodscen.data._episode import MOMENTS
 from oodscen.data._scene import Actor, Scene
 from oodscen.driving._motion.actions import Cruise
-from oodscen.driving._motion.behaviours import BUILT_IN
+from oodscen.driving._motion.behaviours.table import BUILT_IN
 from oodscen.driving._motion.world import KinematicWorld
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import DRIVABLE, Corridor, ego_strip, neighbour_strip

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._prop import FLAT_M
+from oodscen.data._designs.prop import FLAT_M
 from oodscen.data._scene import Scene
-from oodscen.driving._motion.behaviours import having
+from oodscen.driving._motion.behaviours.table import having
 from oodscen.driving._motion.boxes import Footprint, gap, radius
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.visibility import Eye, UprightBox

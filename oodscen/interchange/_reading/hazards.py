@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import MAX_TRIGGER, Actor, Trigger
-from oodscen.driving._motion.behaviours import USUAL
+from oodscen.driving._motion.behaviours.table import USUAL
 from oodscen.errors import DataError, Issue
 from oodscen.interchange._reading.positions import LANE_M
 from oodscen.interchange._reading.tree import OpenScenarioFile

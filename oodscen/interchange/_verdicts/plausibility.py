@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from oodscen.data._motion import ABILITIES
+from oodscen.data._designs.motion import ABILITIES
 from oodscen.driving._motion.triggers import ROUNDING_S
 from oodscen.errors import DataError, Issue
 from oodscen.numerics._exact import Floats

@@ -9,7 +9,7 @@ from oodscen._display import Brief
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._scene import MAX_TRIGGER, Behaviour, Scene, Trigger
 from oodscen.driving._motion.actions import Cruise, action_driver
-from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER
+from oodscen.driving._motion.behaviours.table import MOVES_BEFORE_TRIGGER
 from oodscen.driving._motion.triggers import MAX_APPROACH_S
 from oodscen.interchange._moving import UnrenderedSimulator
 from oodscen.interchange._recording import RecordedRun

@@ -1,7 +1,7 @@
 """Storyboards whose actors answer the ego."""
 
 from oodscen.data._scene import Actor, Scene
-from oodscen.driving._motion.behaviours import MOVES_BEFORE_TRIGGER, WITHOUT_TRIGGER
+from oodscen.driving._motion.behaviours.table import MOVES_BEFORE_TRIGGER, WITHOUT_TRIGGER
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.interchange._writing.elements import Element, child, within
 from oodscen.interchange._writing.entities import Entity

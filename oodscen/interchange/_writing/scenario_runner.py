@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from oodscen._registry import make_catalogue
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._scene import Actor, Scene
-from oodscen.driving._motion.behaviours import BUILT_IN
+from oodscen.driving._motion.behaviours.table import BUILT_IN
 from oodscen.driving._roads.corridor import Corridor, ego_strip, neighbour_strip
 from oodscen.errors import Issue, SceneError
 from oodscen.interchange._writing.elements import Element, Value, child, within

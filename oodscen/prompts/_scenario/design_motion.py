@@ -5,9 +5,9 @@ from typing import Any, ClassVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from oodscen._display import Brief
-from oodscen.data import _motion as motions
 from oodscen.data._category import Category
-from oodscen.data._motion import Motion
+from oodscen.data._designs import motion as motions
+from oodscen.data._designs.motion import Motion
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
 

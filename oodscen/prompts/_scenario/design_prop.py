@@ -5,11 +5,11 @@ from typing import Any, ClassVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from oodscen._display import Brief
-from oodscen.data import _prop as props
 from oodscen.data._category import Category
-from oodscen.data._colours import PALETTE
+from oodscen.data._designs import prop as props
+from oodscen.data._designs.colours import PALETTE
+from oodscen.data._designs.prop import Prop
 from oodscen.data._issues import MOST_PARTS
-from oodscen.data._prop import Prop
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt
 

@@ -10,8 +10,8 @@ from oodscen._seeding import stream
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._category import Category
 from oodscen.data._scene import RED_LIGHT, Actor, Scene
-from oodscen.driving._motion.behaviours import having
-from oodscen.driving._motion.off_centre import off_centre
+from oodscen.driving._motion.behaviours.off_centre import off_centre
+from oodscen.driving._motion.behaviours.table import having
 from oodscen.errors import DataError
 from oodscen.stages._demands.crossings import red_light, zebra
 from oodscen.stages._demands.flow import cyclist, leader, queue, slow_vehicle

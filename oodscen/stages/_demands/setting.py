@@ -12,7 +12,7 @@ from oodscen.data._bird_sketch import Sketch
 from oodscen.data._catalogue import Asset, Catalogue, RoadMap
 from oodscen.data._claim import Claim, Kind
 from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger
-from oodscen.driving._motion.behaviours import STAYS
+from oodscen.driving._motion.behaviours.table import STAYS
 from oodscen.driving._roads.building import find_map, load_corridor
 from oodscen.driving._roads.corridor import DRIVABLE, Corridor
 from oodscen.driving._trace import Trace

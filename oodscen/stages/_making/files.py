@@ -9,7 +9,7 @@ from oodscen._io.json import object_lines
 from oodscen._io.study_files import ASSETS, TABLES
 from oodscen._io.toml import parse_toml
 from oodscen.data._catalogue import Asset
-from oodscen.data._prop import Prop, check_prop
+from oodscen.data._designs.prop import Prop, check_prop
 from oodscen.errors import DataError, Issue, UsageError
 from oodscen.stages._making.making import MadeProp
 

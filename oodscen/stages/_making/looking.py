@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Asset, Catalogue
+from oodscen.data._designs.prop import Prop, check_prop
 from oodscen.data._detail_checks import check_details
 from oodscen.data._details import DetailKinds, Details, PoseKind
-from oodscen.data._prop import Prop, check_prop
 from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger, Weather
 from oodscen.driving._base_simulator import render_checked
 from oodscen.errors import SceneError

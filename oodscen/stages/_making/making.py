@@ -9,7 +9,7 @@ from oodscen._words.text import one_line
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._category import Category
-from oodscen.data._prop import Prop, check_prop
+from oodscen.data._designs.prop import Prop, check_prop
 from oodscen.errors import DataError, Issue, LLMError, OodscenError, SceneError
 from oodscen.llm._ask import ask, speaker
 from oodscen.prompts._scenario.design_prop import DesignedProp, DesignProp, KnownPart

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from oodscen._io.study_files import MOTIONS
 from oodscen._words.text import one_line
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._motion import ABILITIES, Motion
+from oodscen.data._designs.motion import ABILITIES, Motion
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
 from oodscen.errors import Issue, LLMError, OodscenError
 from oodscen.llm._ask import ask, speaker

@@ -8,8 +8,8 @@ import numpy as np
 from oodscen._io.jpeg import to_jpeg
 from oodscen._words.text import folded_words, one_line, stem
 from oodscen.data._catalogue import Catalogue
+from oodscen.data._designs.prop import Prop
 from oodscen.data._messages import Image
-from oodscen.data._prop import Prop
 from oodscen.llm._ask import ask, speaker
 from oodscen.prompts._scenario.recognise_prop import RecogniseProp
 from oodscen.protocols import LLM

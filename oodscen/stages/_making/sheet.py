@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from oodscen.data._lettering import HEIGHT, strokes, width_of
+from oodscen.data._designs.lettering import HEIGHT, strokes, width_of
 from oodscen.errors import UsageError
 from oodscen.stages._making.looking import DISTANCES_M, Pixels, ShownProp
 

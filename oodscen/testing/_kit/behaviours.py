@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from oodscen.data._catalogue import Asset, BehaviourKind
 from oodscen.data._scene import Actor, Behaviour, Scene, Trigger
-from oodscen.driving._motion.behaviours import BUILT_IN
+from oodscen.driving._motion.behaviours.table import BUILT_IN
 from oodscen.testing._kit.comparing import compare
 from oodscen.testing._kit.probe import Probe
 from oodscen.testing._kit.vocabulary import assets_for, cast_for

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from oodscen.data._catalogue import BehaviourKind
 from oodscen.data._scene import Scene
-from oodscen.driving._motion.behaviours import BUILT_IN, DRIVES_IN_LANE, having
+from oodscen.driving._motion.behaviours.table import BUILT_IN, DRIVES_IN_LANE, having
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.protocols import Control

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from oodscen._abilities import Snapshots
 from oodscen.data._scene import Scene, Trigger
 from oodscen.driving._flat_frame import tangents
-from oodscen.driving._motion.behaviours import DRIVES_IN_LANE
+from oodscen.driving._motion.behaviours.table import DRIVES_IN_LANE
 from oodscen.driving._motion.triggers import ROUNDING_S
 from oodscen.driving._sight.outlines import area
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies

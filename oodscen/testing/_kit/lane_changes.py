@@ -7,7 +7,7 @@ import numpy as np
 
 from oodscen.data._catalogue import RoadMap
 from oodscen.data._scene import Trigger
-from oodscen.driving._motion.behaviours import having
+from oodscen.driving._motion.behaviours.table import having
 from oodscen.protocols import Control
 from oodscen.testing._kit.findings import NotApplicable
 from oodscen.testing._kit.probe import Probe

@@ -11,7 +11,7 @@ import numpy as np
 
 from oodscen.data._catalogue import RoadMap
 from oodscen.data._scene import Trigger
-from oodscen.driving._motion.behaviours import BUILT_IN, DRIVES_IN_LANE
+from oodscen.driving._motion.behaviours.table import BUILT_IN, DRIVES_IN_LANE
 from oodscen.driving._roads.building import load_corridor
 from oodscen.protocols import Control
 from oodscen.testing._kit.behaviours import check_behaviour

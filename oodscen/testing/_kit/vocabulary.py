@@ -8,7 +8,7 @@ from oodscen._abilities import packages_of
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap
 from oodscen.data._details import AssetDetails, DetailKinds
 from oodscen.data._scene import Actor, Behaviour, Scene
-from oodscen.driving._motion.behaviours import BUILT_IN
+from oodscen.driving._motion.behaviours.table import BUILT_IN
 from oodscen.driving._roads.building import load_corridor
 from oodscen.errors import OodscenError, SpawnError
 from oodscen.protocols import State

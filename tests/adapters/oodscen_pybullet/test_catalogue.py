@@ -8,7 +8,7 @@ from oodscen_pybullet._catalogue import load_catalogue
 from oodscen_pybullet._meshes import FLASHING, GAITS, SMOKING, asset_ids, asset_mesh, paints_of
 
 from oodscen.data._catalogue import Asset, Catalogue
-from oodscen.driving._motion.behaviours import BEHAVIOURS
+from oodscen.driving._motion.behaviours.table import BEHAVIOURS
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 
 CATALOGUE = load_catalogue()

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from oodscen.data._motion import ABILITIES, Motion
+from oodscen.data._designs.motion import ABILITIES, Motion
 from oodscen.data._scene import Scene
 from oodscen.driving._motion.world import KinematicWorld
 from oodscen.driving._roads.building import load_corridor
@@ -142,7 +142,7 @@ def test_no_body_moves_faster_than_it_can(
 
 @settings(max_examples=15, deadline=None)
 @given(
-    sound_motions().filter(lambda one: one.frame == "start" and one.by == "time"),
+    sound_motions(frame="start", by="time"),
     st.integers(0, 5),
     st.sampled_from([0.0, 1.0]),
 )

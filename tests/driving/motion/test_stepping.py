@@ -13,7 +13,7 @@ from oodscen.data._scene import Behaviour, Scene, Trigger, Weather
 from oodscen.driving._motion import placing
 from oodscen.driving._motion import world as world_module
 from oodscen.driving._motion.actions import Cruise
-from oodscen.driving._motion.behaviours import BEHAVIOURS
+from oodscen.driving._motion.behaviours.table import BEHAVIOURS
 from oodscen.driving._motion.boxes import Footprint, gap
 from oodscen.driving._motion.stepping import FAR_M
 from oodscen.driving._roads import track

@@ -3,9 +3,9 @@ import pytest
 from lxml import etree
 
 from oodscen.data import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
-from oodscen.data._motion import Motion
+from oodscen.data._designs.motion import Motion
 from oodscen.driving._motion.actions import is_available
-from oodscen.driving._motion.behaviours import BEHAVIOURS, BUILT_IN
+from oodscen.driving._motion.behaviours.table import BEHAVIOURS, BUILT_IN
 from oodscen.errors import SceneError, UnknownComponent, UsageError
 from oodscen.interchange._moving import UnrenderedSimulator
 from oodscen.interchange._reading.scenario import read_openscenario

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from oodscen.data._catalogue import Asset
-from oodscen.data._prop import Prop
+from oodscen.data._designs.prop import Prop
 from oodscen.errors import DataError, UsageError
 from oodscen.stages._making.files import read_props
 from oodscen.testing import example_scene

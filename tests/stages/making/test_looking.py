@@ -2,8 +2,8 @@ import pytest
 from oodscen_pybullet._catalogue import load_catalogue
 
 from oodscen.data._catalogue import Catalogue
+from oodscen.data._designs.prop import Prop
 from oodscen.data._details import DetailKinds
-from oodscen.data._prop import Prop
 from oodscen.errors import DataError, SceneError
 from oodscen.protocols import Camera
 from oodscen.stages._making.files import read_props

@@ -4,7 +4,7 @@ from typing import Any
 import pytest
 
 from oodscen.data._additions import Addition
-from oodscen.data._prop import Prop
+from oodscen.data._designs.prop import Prop
 from oodscen.data._scenario import Scenario
 from oodscen.prompts._scenario.stage_scene import SceneDraft
 from oodscen.protocols import Camera

@@ -4,7 +4,7 @@ import pytest
 
 from oodscen.author._knowledge.designs import load_motions
 from oodscen.data._additions import Addition
-from oodscen.data._motion import Motion
+from oodscen.data._designs.motion import Motion
 from oodscen.data._scenario import Scenario
 from oodscen.driving import DynamicSimulator
 from oodscen.errors import SceneError

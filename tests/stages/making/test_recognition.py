@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from oodscen_pybullet._catalogue import load_catalogue
 
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._prop import Prop
+from oodscen.data._designs.prop import Prop
 from oodscen.stages._making.recognition import NONE, OPTIONS, options
 from tests.made import WALL
 

@@ -8,7 +8,7 @@ import pytest
 
 from oodscen.data import Actor, Behaviour, BehaviourKind
 from oodscen.data._scene import Trigger
-from oodscen.driving._motion.behaviours import BEHAVIOURS, BUILT_IN
+from oodscen.driving._motion.behaviours.table import BEHAVIOURS, BUILT_IN
 from oodscen.testing._check import examine_parts
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE

@@ -12,9 +12,9 @@ from typing import Annotated, get_args
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Tag, TypeAdapter
 
-from oodscen.data import _shapes as shapes
-from oodscen.data._colours import Colour
-from oodscen.data._shapes import Part
+from oodscen.data._designs import shapes
+from oodscen.data._designs.colours import Colour
+from oodscen.data._designs.shapes import Part
 from oodscen_pybullet._meshes.atlas import COLOURS
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs import fittings, openings, parts, rings

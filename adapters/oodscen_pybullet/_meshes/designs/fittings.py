@@ -4,8 +4,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from oodscen.data._colours import Colour
-from oodscen.data._shapes import Length, Pair, Point
+from oodscen.data._designs.colours import Colour
+from oodscen.data._designs.shapes import Length, Pair, Point
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs.parts import DrawnPart, Placing, Region, add_picture
 from oodscen_pybullet._meshes.living.limbs import joint, limb, stride

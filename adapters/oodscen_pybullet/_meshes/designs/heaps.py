@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from oodscen.data import _shapes as shapes
-from oodscen.data._colours import rgb_of
+from oodscen.data._designs import shapes
+from oodscen.data._designs.colours import rgb_of
 from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs.parts import Placing, add

@@ -1,8 +1,8 @@
 """Parts of vehicles that only details show: open doors, bonnet and boot, a tail lift, words on the sides."""
 
-from oodscen.data import _shapes as shapes
-from oodscen.data._colours import Colour
-from oodscen.data._shapes import Length, Pair
+from oodscen.data._designs import shapes
+from oodscen.data._designs.colours import Colour
+from oodscen.data._designs.shapes import Length, Pair
 from oodscen.numerics._exact import PI, cos, sin
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs.fittings import Fitting

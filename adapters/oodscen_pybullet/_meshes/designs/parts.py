@@ -1,4 +1,4 @@
-"""Draws the shapes of which designs are made (`oodscen.data._shapes`)."""
+"""Draws the shapes of which designs are made (`oodscen.data._designs.shapes`)."""
 
 import itertools
 from collections.abc import Callable, Iterator, Sequence
@@ -8,9 +8,9 @@ from typing import Annotated
 
 from pydantic import AfterValidator
 
-from oodscen.data import _shapes as shapes
-from oodscen.data._shapes import Part, Point, Rectangle
-from oodscen.data._tessellation import bands, sagging_points
+from oodscen.data._designs import shapes
+from oodscen.data._designs.shapes import Part, Point, Rectangle
+from oodscen.data._designs.tessellation import bands, sagging_points
 from oodscen_pybullet._meshes.atlas import REGIONS
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.look import Appearance

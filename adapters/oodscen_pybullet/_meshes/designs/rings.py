@@ -2,8 +2,8 @@
 
 import itertools
 
-from oodscen.data._colours import Colour
-from oodscen.data._shapes import Length, Point
+from oodscen.data._designs.colours import Colour
+from oodscen.data._designs.shapes import Length, Point
 from oodscen.numerics._exact import TAU, cos, sin
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs.parts import DrawnPart, Placing

@@ -5,9 +5,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from oodscen.data import _shapes as shapes
-from oodscen.data._lettering import HEIGHT, strokes, width_of
-from oodscen.data._tessellation import BLOT_CORNERS, MAX_DASHES, cells
+from oodscen.data._designs import shapes
+from oodscen.data._designs.lettering import HEIGHT, strokes, width_of
+from oodscen.data._designs.tessellation import BLOT_CORNERS, MAX_DASHES, cells
 from oodscen.numerics._exact import cos, sin
 from oodscen_pybullet._meshes.builder import MeshBuilder
 from oodscen_pybullet._meshes.designs.parts import Placing, add

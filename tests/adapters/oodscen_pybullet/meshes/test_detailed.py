@@ -6,8 +6,8 @@ from oodscen_pybullet._catalogue import load_catalogue
 from oodscen_pybullet._meshes import asset_mesh, register_design
 from oodscen_pybullet._meshes.atlas import swatch_uv
 
+from oodscen.data._designs.prop import Prop
 from oodscen.data._details import Details
-from oodscen.data._prop import Prop
 from oodscen.data._scene import Actor, Placement
 from tests.made import WALL
 

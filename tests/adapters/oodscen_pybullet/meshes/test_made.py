@@ -14,9 +14,9 @@ from oodscen_pybullet._meshes.mesh import Mesh
 from oodscen_pybullet._rendering.triangles import SHINING, Triangles
 
 from oodscen.author._knowledge.designs import load_designs
-from oodscen.data import _shapes as shapes
-from oodscen.data._prop import MOST_TRIANGLES, Prop, check_prop, sizes_of
-from oodscen.data._survey import survey
+from oodscen.data._designs import shapes
+from oodscen.data._designs.prop import MOST_TRIANGLES, Prop, check_prop, sizes_of
+from oodscen.data._designs.survey import survey
 from tests.made import CLOUD, WALL, designs
 
 SIZES = sizes_of(load_catalogue().assets)

@@ -10,7 +10,7 @@ from oodscen_pybullet._meshes.designs.parts import Placing, add
 from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._meshes.mesh import Mesh
 
-from oodscen.data._shapes import Panel, Part, Strip
+from oodscen.data._designs.shapes import Panel, Part, Strip
 
 A, B, C, D = (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 1.0, 1.0), (0.0, 0.0, 1.0)
 TRIANGLES = {

@@ -1,0 +1,1 @@
+"""The built-in behaviours of actors: their table, and a kernel for each."""
