@@ -20,7 +20,7 @@ _KINDS = {
     "signal": "signals",
 }
 """Names of the kinds that a catalogue lacks entirely."""
-_MATCH_WORDS = {"full": "yes", "substitute": "with stand-ins", "part": "in part", "none": "no"}
+_MATCH_WORDS = {"full": "yes", "substitute": "with substitutes", "part": "in part", "none": "no"}
 """Answers of the page to whether a path can be simulated."""
 
 

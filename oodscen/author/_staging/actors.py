@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from oodscen.author._knowledge.base import Drawn, RecipeActor, RecipeTrigger, TrafficActor
 from oodscen.author._staging.anchors import marks
-from oodscen.author._staging.decision_timing import decisive
+from oodscen.author._staging.decision_distances import decisive
 from oodscen.author._staging.layout import Cast, Layout
 from oodscen.claims._things import Thing
 from oodscen.data._catalogue import LANDMARKS

@@ -19,14 +19,14 @@ from oodscen.author._staging.background_traffic import (
     surrounding_traffic,
     tailgater,
 )
-from oodscen.author._staging.counterparts import moved_near, stand_ins
-from oodscen.author._staging.deciding import with_decision
-from oodscen.author._staging.decision_timing import suits_any_speed
+from oodscen.author._staging.counterparts import moved_near, placed_counterpart
+from oodscen.author._staging.decision import with_decision
+from oodscen.author._staging.decision_distances import suits_any_speed
 from oodscen.author._staging.lanes import with_ego_lane, with_variant
 from oodscen.author._staging.layout import Cast, Layout
 from oodscen.author._staging.told import Told
 from oodscen.author._staging.weather import draw_weather
-from oodscen.author._writing.stand_in import stand_in
+from oodscen.author._writing.counterpart import counterpart_of
 from oodscen.claims._roads import holds_by_traits, road_claims
 from oodscen.claims._things import may_be
 from oodscen.data._scene import Actor, Ego, Hazard
@@ -172,9 +172,9 @@ def _with_counterparts(
     hazard = next((actor for actor in cast.actors if actor.id == decisive), None)
     if hazard is None:
         return cast
-    road_user = stand_in(told.hazard, told.text, told.place)
+    road_user = counterpart_of(told.hazard, told.text, told.place)
     if road_user is not None and not told.is_quiet and hazard.id in cast.unusual:
-        twin = stand_ins(road_user, layout, hazard, decision_s)
+        twin = placed_counterpart(road_user, layout, hazard, decision_s)
         return cast._replace(unusual={**cast.unusual, **twin})
     if layout.ordinary_weather is None:
         return cast._replace(unusual=moved_near(cast, layout, hazard, decision_s))

@@ -12,7 +12,7 @@ from oodscen.author._knowledge.base import BackgroundTraffic, HazardKind, Knowle
 from oodscen.author._reading.ego_naming import Name, with_ego_named
 from oodscen.author._settings import Scope, every_setting
 from oodscen.author._staging.aside import ASIDE_SHARE, event_aside, may_be_aside
-from oodscen.author._staging.decision_timing import approach
+from oodscen.author._staging.decision_distances import approach
 from oodscen.author._writing.agreement import Agreement, PlaceAndTime
 from oodscen.author._writing.constructions import (
     CONSTRUCTIONS,

@@ -21,7 +21,7 @@ from oodscen.judging._parsing.marking import (
 from oodscen.judging._parsing.members import members
 from oodscen.judging._parsing.reading import ParsedAnswer, Question, read
 from oodscen.judging._parsing.reasons import is_against
-from oodscen.judging._parsing.stating import stated_option
+from oodscen.judging._parsing.stated_option import stated_option
 from oodscen.judging._parsing.unusable import TWO_ANSWERS, UnusableError
 
 

@@ -8,7 +8,7 @@ from oodscen._io.files import bundled
 from oodscen._words.prose import fold
 from oodscen.judging._parsing.denials import denies, plain_words
 from oodscen.judging._parsing.marking import GERUND, OPTION, number
-from oodscen.judging._parsing.stating import CRASH
+from oodscen.judging._parsing.stated_option import CRASH
 
 
 def is_against(plain: str, option: int | None = None) -> bool:

@@ -56,7 +56,7 @@ def _fate(decision: PruneDecision | None) -> Fate:
 
 def _lines(decision: PruneDecision, tree: ScenarioTree) -> tuple[tuple[str, str], ...]:
     shown_with = (*decision.assets, *decision.behaviours, *decision.weather)
-    stand_ins = [
+    substitutes = [
         f"{substitute.asset} for {substitute.stands_for}" for substitute in decision.substitutes
     ]
     alike = [tree.by_id[name].label for name in decision.same_as if name in tree.by_id]
@@ -65,7 +65,7 @@ def _lines(decision: PruneDecision, tree: ScenarioTree) -> tuple[tuple[str, str]
         ("Missing:", ", ".join(decision.missing)),
         ("Shown as:", decision.label if decision.keep else ""),
         ("Shown with:", ", ".join(shown_with) if decision.keep else ""),
-        ("Standing in:", ", ".join(stand_ins) if decision.keep else ""),
+        ("Standing in:", ", ".join(substitutes) if decision.keep else ""),
         ("Looks the same as:", "; ".join(alike) if decision.keep else ""),
     ]
     return tuple(line for line in lines if line[1])

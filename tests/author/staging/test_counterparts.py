@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from oodscen.author._knowledge.base import Recipe
 from oodscen.author._knowledge.loading import load_knowledge
-from oodscen.author._staging.counterparts import moved_near, stand_ins
+from oodscen.author._staging.counterparts import moved_near, placed_counterpart
 from oodscen.author._staging.layout import Cast, Layout
-from oodscen.author._writing.stand_in import StandIn
+from oodscen.author._writing.counterpart import Counterpart
 from oodscen.data._scene import Actor, Behaviour, Placement
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.testing._flat import FlatSimulator
@@ -19,8 +19,8 @@ DIGEST = CatalogueDigest.of(CATALOGUE)
 SPEEDS = st.floats(6.0, 25.0)
 GAPS = st.floats(15.0, 60.0)
 TIMES = st.floats(1.0, 6.0)
-WALKER = StandIn(("adult",), False, "a person walks along the pavement")
-CAR = StandIn(("car",), True, "a car drives ahead")
+WALKER = Counterpart(("adult",), False, "a person walks along the pavement")
+CAR = Counterpart(("car",), True, "a car drives ahead")
 
 
 def recipe() -> Recipe:
@@ -58,7 +58,7 @@ def test_someone_on_the_pavement_is_in_view_and_no_farther_than_need_be(
     speed: float, away: float, seconds: float, lane: int
 ) -> None:
     hazard = actor("a", away + speed * seconds)
-    one = stand_ins(WALKER, staged(speed, lane), hazard, seconds)["a"]
+    one = placed_counterpart(WALKER, staged(speed, lane), hazard, seconds)["a"]
     there = gap(one, speed, seconds)
     aside = 3.5 * lane - one.placement.offset_m
     assert there >= 2.0 * aside
@@ -69,13 +69,13 @@ def test_someone_on_the_pavement_is_in_view_and_no_farther_than_need_be(
 @given(SPEEDS, GAPS, TIMES)
 def test_a_vehicle_ahead_keeps_its_distance(speed: float, away: float, seconds: float) -> None:
     hazard = actor("a", away + speed * seconds)
-    one = stand_ins(CAR, staged(speed), hazard, seconds)["a"]
+    one = placed_counterpart(CAR, staged(speed), hazard, seconds)["a"]
     assert gap(one, speed, seconds) >= 0.9 * speed + 8.0 - 0.01
 
 
 def test_nobody_stands_in_whom_the_catalogue_lacks() -> None:
-    one = StandIn(("hovercraft",), True, "a hovercraft drives ahead")
-    assert not stand_ins(one, staged(10.0), actor("a", 50.0), 3.0)
+    one = Counterpart(("hovercraft",), True, "a hovercraft drives ahead")
+    assert not placed_counterpart(one, staged(10.0), actor("a", 50.0), 3.0)
 
 
 @given(SPEEDS, GAPS, TIMES, st.floats(1.0, 1.5), st.floats(5.0, 120.0))

@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.author._knowledge.base import Knowledge
-from oodscen.author._staging.decision_timing import approach, braking, room, swerving
+from oodscen.author._staging.decision_distances import approach, braking, room, swerving
 
 
 @given(speed=st.floats(3.0, 30.0), friction=st.floats(0.2, 1.0))

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from oodscen.author._knowledge.base import RecipeActor
-from oodscen.author._staging import decision_timing as timing
+from oodscen.author._staging import decision_distances as distances
 from oodscen.author._staging.anchors import ahead_of_start
 from oodscen.author._staging.layout import Layout
 from oodscen.data._scene import Trigger
@@ -66,11 +66,11 @@ def with_decision(layout: Layout, distance_m: float | None) -> Layout:
     """
     trigger = layout.recipe.decision
     value, shift = layout.draw(trigger.value), 0.0
-    actor = timing.decisive(layout.recipe)
+    actor = distances.decisive(layout.recipe)
     if actor is not None:
         is_on_map = ahead_of_start(layout.recipe, actor) is None
         middle = 0.5 * sum(actor.ahead)
-        if timing.suits_any_speed(layout.recipe):
+        if distances.suits_any_speed(layout.recipe):
             layout, distance_at = _with_room(layout, actor)
             value = distance_at(layout.speed)
             if not is_on_map:
@@ -95,7 +95,7 @@ def _with_approach(
     """Return the layout, slow enough for a stated distance, and the actor's distances at the decision and the start, m."""
     decision_m = distance_at(layout.speed)
     if distance_m is None:
-        seconds = float(layout.rng.uniform(*timing.APPROACH_S))
+        seconds = float(layout.rng.uniform(*distances.APPROACH_S))
         return layout, decision_m, decision_m + layout.speed * seconds
     while (
         layout.speed > _LEAST_SPEED_MPS
@@ -117,8 +117,8 @@ def _with_ttc(layout: Layout, actor: RecipeActor, seconds: float) -> tuple[Layou
     if closing < _LEAST_SPEED_MPS:
         return layout, seconds
     reach = layout.reach(actor)
-    hard_m = timing.braking(closing, friction) + reach + _BEYOND_M
-    calm_m = max(timing.calm_braking(closing, friction) + reach, hard_m)
+    hard_m = distances.braking(closing, friction) + reach + _BEYOND_M
+    calm_m = max(distances.calm_braking(closing, friction) + reach, hard_m)
     least_m = _EVADING_S * closing if along < _ONCOMING_MPS else hard_m
     distance_m = seconds * closing
     while distance_m > least_m and layout.pixels(actor, distance_m) < _CLEAR_PX:
@@ -126,7 +126,7 @@ def _with_ttc(layout: Layout, actor: RecipeActor, seconds: float) -> tuple[Layou
     if distance_m < calm_m:
         layout = replace(layout, is_followed=False)
     if actor.behaviour in STAYS and not layout.is_followed and draw < _HURRIED_SHARE:
-        late_m = timing.too_late_to_stop(closing, friction) + reach
+        late_m = distances.too_late_to_stop(closing, friction) + reach
         if late_m > hard_m:
             distance_m = min(distance_m, hard_m + _LATEST_SHARE * share * (late_m - hard_m))
     return layout, min(seconds, distance_m / closing)
@@ -142,14 +142,14 @@ def _with_room(layout: Layout, actor: RecipeActor) -> tuple[Layout, DecisionDist
     if late < _LATE_SHARE and (evasion := _evasion(layout, actor, share)) is not None:
         return evasion
     is_urgent = urgent < _URGENT_SHARE and not layout.is_followed
-    friction, spare = layout.weather.friction, timing.spare(layout.recipe)
+    friction, spare = layout.weather.friction, distances.spare(layout.recipe)
 
     def is_unseen(layout: Layout) -> bool:
-        away = timing.late_room(layout.speed, friction) + spare
+        away = distances.late_room(layout.speed, friction) + spare
         return layout.pixels(actor, away) < _CLEAR_PX
 
     def is_seen_at_last(speed: float) -> bool:
-        away = timing.braking(speed, friction) + _SPARE_LAST * spare
+        away = distances.braking(speed, friction) + _SPARE_LAST * spare
         return layout.pixels(actor, away) >= _SEEN_PX
 
     # A slower ego leaves room for a calm stop of both.
@@ -170,13 +170,13 @@ def _with_room(layout: Layout, actor: RecipeActor) -> tuple[Layout, DecisionDist
             return (
                 layout,
                 lambda speed: (
-                    timing.braking(speed, friction) + _SPARE_LATE * spare + share * window
+                    distances.braking(speed, friction) + _SPARE_LATE * spare + share * window
                 ),
             )
     return (
         layout,
         lambda speed: (
-            timing.late_room(speed, friction) + (_SPARE_CALM + _SPARE_MORE * share) * spare
+            distances.late_room(speed, friction) + (_SPARE_CALM + _SPARE_MORE * share) * spare
         ),
     )
 
@@ -188,8 +188,8 @@ def _evasion(
     recipe, road = layout.recipe, layout.road
     if not recipe.width or max(map(abs, actor.offset)) >= _INSIDE_M or road.lanes < 2:
         return None
-    low = timing.swerving(layout.speed, recipe.width, _ASIDE_M)
-    high = timing.braking(layout.speed, layout.weather.friction) - _STOPPED_BY_M
+    low = distances.swerving(layout.speed, recipe.width, _ASIDE_M)
+    high = distances.braking(layout.speed, layout.weather.friction) - _STOPPED_BY_M
     if low + _CHOICE_M > high:
         return None
     escape = 1 if layout.ego_lane + 1 < road.lanes else -1
@@ -215,4 +215,4 @@ def _urgent_speed(layout: Layout) -> float | None:
 def _hard_braking_window(layout: Layout, speed: float) -> float:
     """Return the range of distances at which only hard braking suffices, m; negative if there is none."""
     friction = layout.weather.friction
-    return timing.too_late_to_stop(speed, friction) - timing.braking(speed, friction)
+    return distances.too_late_to_stop(speed, friction) - distances.braking(speed, friction)
