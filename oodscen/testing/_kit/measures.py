@@ -196,7 +196,8 @@ def _height_fault(staged: StagedScene, states: Sequence[State]) -> str:
         for row, (x, y, z, _) in enumerate(state.poses.tolist()):
             ground = staged.corridor.point(*staged.corridor.locate(x, y))[2]
             if abs(z - ground) > AFLOAT_M:
-                return f"{state.ids[row]!r} is {z - ground:.2f} m above the road"
+                side = "above" if z > ground else "below"
+                return f"{state.ids[row]!r} is {abs(z - ground):.2f} m {side} the road"
     return ""
 
 
@@ -259,7 +260,7 @@ def _check_wheelbase(probe: Probe) -> None:
     turn = math.remainder(float(poses[-1, 3] - poses[0, 3]), math.tau)
     covered_m = float(np.linalg.norm(np.diff(poses[:, :2], axis=0), axis=1).sum())
     if turn <= 1e-3 or covered_m <= 1e-3:
-        probe.findings.add("", "the ego does not turn when it steers left")
+        probe.findings.add("", "the ego does not turn left when it steers left")
         return
     implied = 2.0 * math.sin(math.atan(0.5 * math.tan(steering))) * covered_m / turn
     observed = probe.simulator.observe().wheelbase

@@ -115,7 +115,11 @@ def test_a_wrong_place_or_acceleration_is_told_of_its_body(row, wrong) -> None:
         (lambda state: {"off_road": False}, "off_road is False beside the road"),
         (
             lambda state: {"poses": state.poses + np.array([0.0, 0.0, 1.0, 0.0])},
-            "1.00 m above the road",
+            "'ego' is 1.00 m above the road",
+        ),
+        (
+            lambda state: {"poses": state.poses - np.array([0.0, 0.0, 1.0, 0.0])},
+            "'ego' is 1.00 m below the road",
         ),
         (
             lambda state: {"poses": state.poses + np.array([0.0, 0.0, 0.0, 0.6])},
@@ -153,12 +157,13 @@ def test_members_that_are_unknown_at_first_are_checked_later() -> None:
     assert any("accelerations: " in line for line in found)
 
 
-def test_an_ego_that_does_not_turn_is_found() -> None:
-    class Straight(Few):
+@pytest.mark.parametrize("factor", [0.0, -1.0])
+def test_an_ego_that_does_not_turn_where_it_steers_is_found(factor) -> None:
+    class Wrong(Few):
         def step(self, control):
-            return super().step(replace(control, steering=0.0))
+            return super().step(replace(control, steering=factor * control.steering))
 
-    assert any("does not turn when it steers left" in line for line in lines(Straight))
+    assert any("does not turn left when it steers left" in line for line in lines(Wrong))
 
 
 @pytest.mark.parametrize(
