@@ -80,11 +80,22 @@ OFFSETS = {
 }
 
 
-@pytest.mark.parametrize("offsets", [OFFSETS, {"curve_speed": math.nan}])
-def test_every_wrong_member_of_the_observation_is_found(offsets) -> None:
-    found = lines(observing(**offsets))
-    for name in offsets:
+def test_every_wrong_member_of_the_observation_is_found() -> None:
+    found = lines(observing(**OFFSETS))
+    for name in OFFSETS:
         assert any(f"observation: {name} is" in line for line in found), name
+
+
+@pytest.mark.parametrize("value", [None, "dry", math.nan])
+@pytest.mark.parametrize("name", sorted({*OFFSETS} - {"lane_left_m", "lane_right_m"}))
+def test_a_member_of_the_observation_that_is_no_number_is_named(name, value) -> None:
+    class Altered(Few):
+        def observe(self):
+            return replace(super().observe(), **{name: value})
+
+    found = lines(Altered)
+    assert found
+    assert all(f"observe() returned {name}: {value!r}, not a number" in line for line in found)
 
 
 @pytest.mark.parametrize("wrong", [1.0, math.nan])
