@@ -55,7 +55,7 @@ def lay_roads(ground: Ground, theme: Theme, rng: np.random.Generator) -> Mesh:
     Args:
         ground: The roads.
         theme: Determines the material of shoulders and medians.
-        rng: Draws the positions of asphalt repairs.
+        rng: Draws where asphalt is worn, and where repairs and manholes are.
     """
     surfaces = []
     for index, way in enumerate(ground.ways):
@@ -79,7 +79,7 @@ class _Roadbed:
 
     def __init__(self, way: Way, theme: Theme, layer: float) -> None:
         self._way = way
-        self._theme: Theme = theme
+        self._theme = theme
         self._ribbons = Ribbons(way.course)
         self._heights = (layer, layer)
         self._dark = spanned_pieces(way, "tunnel")

@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from oodscen.judging._parsing.confidence import is_aside, is_confidence
+from oodscen.judging._parsing.confidence import is_aside, is_confidence, probability
 from oodscen.judging._parsing.unusable import TWO_ANSWERS, UnusableError
 from oodscen.llm._json_objects import held_values
 
@@ -38,35 +38,41 @@ def unwrap(value: Mapping[str, Any], requested: re.Pattern[str]) -> Held:
     if getattr(value, "repeated", ()):
         raise UnusableError(TWO_ANSWERS)
     rest: dict[str, Any] = {}
+    sure: dict[str, Any] = {}
     reasons: list[str] = []
     asides: list[str] = []
     for name, member in value.items():
-        is_sure = CONFIDENCE.fullmatch(spelt(name))
+        plain = spelt(name)
+        is_sure = CONFIDENCE.fullmatch(plain)
         if is_sure and not is_confidence(member):
             raise UnusableError(f"{name[:40]!r} is no confidence")
         if is_sure and is_aside(member):
             asides.append(member)
-        if requested.fullmatch(spelt(name)) or WRAPPERS.fullmatch(spelt(name)):
-            rest[name] = member
-        elif _is_reason(name, member):
-            reasons += _texts(member)
-        elif REASON.fullmatch(spelt(name)):
-            raise UnusableError(f"{name[:40]!r} is no text")
+        if requested.fullmatch(plain) or WRAPPERS.fullmatch(plain):
+            (sure if is_sure else rest)[name] = member
+        elif REASON.fullmatch(plain):
+            reasons += _texts(name, member)
         elif not is_sure:
             raise UnusableError(f"nobody asked for {name[:40]!r}")
-    sure = {name: member for name, member in rest.items() if CONFIDENCE.fullmatch(spelt(name))}
-    wrappers = rest.keys() - sure.keys()
-    inner = rest[next(iter(wrappers))] if len(wrappers) == 1 else None
-    if isinstance(inner, dict) and all(WRAPPERS.fullmatch(spelt(name)) for name in wrappers):
-        held = unwrap(inner, requested)
-        if any(held.requested.get(name, member) != member for name, member in sure.items()):
-            raise UnusableError(TWO_ANSWERS)
-        inside = {**sure, **held.requested}
-        return Held(inside, "\n".join([*reasons, held.reasons]), (*asides, *held.asides))
+    if len(rest) == 1:
+        ((name, inner),) = rest.items()
+        if isinstance(inner, dict) and WRAPPERS.fullmatch(spelt(name)):
+            held = unwrap(inner, requested)
+            inside = _with_confidences(held.requested, sure)
+            return Held(inside, "\n".join([*reasons, held.reasons]), (*asides, *held.asides))
     for name in rest:
         if not requested.fullmatch(spelt(name)):
             raise UnusableError(f"nobody asked for {name[:40]!r}")
-    return Held(rest, "\n".join(reasons), tuple(asides))
+    return Held({**rest, **sure}, "\n".join(reasons), tuple(asides))
+
+
+def _with_confidences(inside: dict[str, Any], sure: dict[str, Any]) -> dict[str, Any]:
+    """Return the members in a wrapper with the confidences beside it; those that state none add nothing."""
+    stating = {name: one for name, one in sure.items() if probability(one) is not None}
+    stated = {probability(one) for one in (*stating.values(), *members(inside, CONFIDENCE))}
+    if len(stated - {None}) > 1:
+        raise UnusableError(TWO_ANSWERS)
+    return {**inside, **stating}
 
 
 def is_deeper(value: object, levels: int) -> bool:
@@ -77,14 +83,12 @@ def is_deeper(value: object, levels: int) -> bool:
     )
 
 
-def _is_reason(name: str, value: Any) -> bool:
-    return bool(REASON.fullmatch(spelt(name))) and (value in (None, "", []) or bool(_texts(value)))
-
-
-def _texts(value: Any) -> list[str]:
-    """Return a text, or the texts of a list of nothing else, as a list; else an empty one."""
-    texts = value if isinstance(value, list) else [value]
-    return list(texts) if all(isinstance(text, str) for text in texts) else []
+def _texts(name: str, value: Any) -> list[str]:
+    """Return the texts of a member that gives reasons: a text, or a list of nothing else; `None` has none."""
+    texts = value if isinstance(value, list) else [] if value is None else [value]
+    if not all(isinstance(text, str) for text in texts):
+        raise UnusableError(f"{name[:40]!r} is no text")
+    return texts
 
 
 def spelt(name: str) -> str:

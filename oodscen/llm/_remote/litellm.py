@@ -45,6 +45,11 @@ LOOKUP_S = 10.0
 LATE_RETRIES = 1
 """Retries after a timeout; a call that hangs once usually hangs again."""
 
+_OWN = frozenset(
+    "api_base base_url drop_params max_retries max_tokens messages model num_retries seed stream temperature timeout".split()
+)
+"""Arguments of `litellm.completion` that are not left to the caller's options."""
+
 
 class LiteLLM(Brief):
     """A model by its litellm name: `gpt-4o`, `anthropic/claude-...`, `gemini/...`, `ollama/llama3`.
@@ -74,14 +79,14 @@ class LiteLLM(Brief):
         max_bytes: Largest response.
         limits: Caps, prices and endpoints, shared by the models of a run. Without it nothing is capped and
             no endpoint is given up.
-        options: Further arguments of `litellm.completion`, e.g. `{"reasoning_effort": "low"}`.
+        options: Further arguments of `litellm.completion`, e.g. `{"reasoning_effort": "low"}`, but none that is set here.
         sleep: Waits the given seconds; by default it returns early if the run is interrupted.
 
     Raises:
         MissingExtra: When litellm is not installed.
         UnknownComponent: When litellm knows neither model nor provider, with close matches.
         UsageError: When `OODSCEN_OFFLINE=1` forbids the address, or the cost is capped and the model's price
-            is not known, or a number is out of its range.
+            is not known, or a number is out of its range, or `options` holds what is set here.
     """
 
     _repr_fields = ("name", "_api_base", "seed")
@@ -106,6 +111,8 @@ class LiteLLM(Brief):
         self._api_base = api_base
         if options is not None:
             instance_of("options", options, Mapping)
+            if taken := sorted(_OWN & options.keys()):
+                raise UsageError(f"options must not hold {', '.join(taken)}, which the client sets")
         self.seed = seed_number(seed)
         self.retries = whole_number("retries", retries)
         self.max_wait_s = finite_number("max_wait_s", max_wait_s, 0.0, LONGEST_S)
@@ -279,7 +286,7 @@ class LiteLLM(Brief):
 
     def _estimate(self, request: Request) -> Usage:
         """Return the tokens that one attempt may use."""
-        output_tokens = self._arguments.get("max_tokens") or self.limits.budget.answer_tokens
+        output_tokens = self._arguments["max_tokens"] or self.limits.budget.answer_tokens
         return Usage(input_tokens=estimate_tokens(request), output_tokens=output_tokens)
 
     def _completion(
@@ -357,7 +364,7 @@ class LiteLLM(Brief):
             return failure.retry_after if failure.retry_after <= self.max_wait_s else None
         keys = ("retry", request.prompt.purpose, request.sample, request.attempt, retries)
         jitter = float(stream(self.seed, *keys).uniform(0.5, 1.0))
-        return min(float(2**retries), self.max_wait_s) * jitter
+        return min(1 << retries, self.max_wait_s) * jitter
 
 
 def _check_priced(model: str, price: Price | None, limits: Limits) -> None:
@@ -396,11 +403,11 @@ def _native_fields(part: Any) -> Mapping[str, Any]:
 
 def _check_address(api_base: str) -> None:
     """Refuse an address that no request can be sent to."""
-    api_base, _, fragment = api_base.partition("#")
+    api_base, mark, _ = api_base.partition("#")
     try:
         parts = urlsplit(api_base)
         is_sound = parts.scheme in ("http", "https") and bool(parts.hostname) and parts.port != 0
-        is_sound &= not fragment and not re.search(r"[\s\\]", api_base)
+        is_sound &= not mark and not re.search(r"[\s\\]", api_base)
     except ValueError:
         is_sound = False
     if not is_sound:

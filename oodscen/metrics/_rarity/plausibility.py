@@ -72,7 +72,7 @@ _SPEEDS: Final = tuple(
 """Speeds by their units, and a unit's km/h."""
 
 _EVENT = re.compile(
-    r"\b(?:explod|collaps|burst|erupt|overturn|derail|ignit|faint|capsiz|jackknif|run(?:s|ning)? loose|ran loose)\w*"
+    r"\b(?:(?:explod|collaps(?!ibl)|burst|erupt|overturn|derail|ignit(?!ion)|capsiz|jackknif)\w*|faint(?:s|ed|ing)\b|(?:run(?:s|ning)?|ran) loose\b)"
 )
 _ENTERS = re.compile(
     r"\W*(?:an?|another|two|three|some|several)\b.{0,60}?\b(?:jump|leap|dart|bolt|fall|drop|crash|collid|skid|swerv|roll|spin|"
@@ -80,7 +80,7 @@ _ENTERS = re.compile(
 )
 """A thing that a part is the first to mention, and that does something sudden."""
 _PART_BREAK = re.compile(
-    r"(?<=[.!?;])\s+|,?\s+(?:and then|then|while|just as|at the same time|meanwhile|moments later|after which)\s+"
+    r"(?<=[.!?;])\s+|(?:,|(?<!\s))\s+(?:and then|then|while|just as|at the same time|meanwhile|moments later|after which)\s+"
 )
 
 

@@ -13,6 +13,7 @@ Stop = Literal["rounds", "budget", "patience", "coverage"]
 LEAST = 2
 """Minimum number of model calls per round: imagine and place."""
 _MOST = 2 * ATTEMPTS
+"""Maximum number of model calls per round."""
 
 
 class Stopping:
@@ -65,12 +66,11 @@ class Stopping:
             return "budget"
         if options.patience is not None and self.idle + ahead >= options.patience:
             return "patience"
-        if options.coverage is not None and any(
-            self._covered(more) > options.coverage for more in range(ahead + 1)
-        ):
+        if options.coverage is not None and self._covered(ahead) > options.coverage:
             return "coverage"
         return None
 
     def _covered(self, more: int) -> float:
+        """Return the greatest coverage that `more` rounds can bring; one extra kind counts as met once."""
         once = max(self._tally.once - more, 0)
         return 1.0 - (once + 1) / (self._tally.observations + more + 1)

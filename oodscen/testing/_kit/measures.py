@@ -11,6 +11,7 @@ from oodscen.data._scene import Actor, Scene
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._staged_scene import StagedScene
+from oodscen.driving._states import check_observation
 from oodscen.errors import OodscenError
 from oodscen.protocols import Control, Observation, State
 from oodscen.testing._kit.contact import gap_fault
@@ -105,23 +106,31 @@ def _check_run(
     dt, findings = probe.simulator.dt, probe.findings
     states: list[State] = []
     observations: list[Observation] = []
-    for state in probe.states(scene, control, steps=round(5.0 / dt)):
-        for fault in state_faults(scene, state, len(states), dt):
-            findings.add(subject, fault)
-            return
-        states.append(state)
-        observations.append(probe.simulator.observe())
-    staged = probe.staged(scene)
-    for fault in (
-        gap_fault(states, scene, probe.catalogue),
-        _place_fault(staged, states),
-        _acceleration_fault(states, dt),
-        _speed_fault(scene, states, dt),
-        _height_fault(staged, states),
-        _off_road_fault(staged, states),
-        *_observation_faults(staged, states, observations),
-    ):
-        findings.expect(not fault, subject, fault)
+    with findings.trying(subject):
+        for state in probe.states(scene, control, steps=round(5.0 / dt)):
+            for fault in state_faults(scene, state, len(states), dt):
+                findings.add(subject, fault)
+                return
+            states.append(state)
+            observations.append(_observe(probe))
+        staged = probe.staged(scene)
+        for fault in (
+            gap_fault(states, scene, probe.catalogue),
+            _place_fault(staged, states),
+            _acceleration_fault(states, dt),
+            _speed_fault(scene, states, dt),
+            _height_fault(staged, states),
+            _off_road_fault(staged, states),
+            *_observation_faults(staged, states, observations),
+        ):
+            findings.expect(not fault, subject, fault)
+
+
+def _observe(probe: Probe) -> Observation:
+    """Return the simulator's observation, or raise a `SimulatorError` that names a member of a wrong type."""
+    observation = probe.simulator.observe()
+    check_observation(observation, "observe()")
+    return observation
 
 
 def _largest(errors: NDArray[np.float64]) -> tuple[int, ...]:
@@ -196,7 +205,8 @@ def _height_fault(staged: StagedScene, states: Sequence[State]) -> str:
         for row, (x, y, z, _) in enumerate(state.poses.tolist()):
             ground = staged.corridor.point(*staged.corridor.locate(x, y))[2]
             if abs(z - ground) > AFLOAT_M:
-                return f"{state.ids[row]!r} is {z - ground:.2f} m above the road"
+                side = "above" if z > ground else "below"
+                return f"{state.ids[row]!r} is {abs(z - ground):.2f} m {side} the road"
     return ""
 
 
@@ -259,10 +269,10 @@ def _check_wheelbase(probe: Probe) -> None:
     turn = math.remainder(float(poses[-1, 3] - poses[0, 3]), math.tau)
     covered_m = float(np.linalg.norm(np.diff(poses[:, :2], axis=0), axis=1).sum())
     if turn <= 1e-3 or covered_m <= 1e-3:
-        probe.findings.add("", "the ego does not turn when it steers left")
+        probe.findings.add("", "the ego does not turn left when it steers left")
         return
     implied = 2.0 * math.sin(math.atan(0.5 * math.tan(steering))) * covered_m / turn
-    observed = probe.simulator.observe().wheelbase
+    observed = _observe(probe).wheelbase
     if not abs(observed - implied) <= WHEELBASE * implied:
         message = (
             f"observation: wheelbase is {observed:.2f} m, but the ego turns as with {implied:.2f} m"

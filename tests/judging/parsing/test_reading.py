@@ -442,6 +442,24 @@ def test_a_confidence_that_cannot_be_read_counts_as_none_in_every_question(quest
         assert read(json.dumps({**held, name: stated})).value is None, stated
 
 
+@pytest.mark.parametrize(
+    ("beside", "inside", "confidence"),
+    [
+        ({"confidence": None}, {"confidence": 0.8}, 0.8),
+        ({"confidence": 0.8}, {"confidence": None}, 0.8),
+        ({"confidence": 0.8}, {"confidence": "banana"}, 0.8),
+        ({"confidence": 0.8}, {"confidence": "80 %"}, 0.8),
+        ({"Certainty": 0.8}, {"confidence": 0.8}, 0.8),
+        ({"confidence": 0.9}, {"confidence": 0.8}, "two answers"),
+        ({"Confidence": 0.9}, {"confidence": 0.8}, "two answers"),
+    ],
+)
+def test_a_confidence_beside_a_wrapper_is_that_in_it(beside, inside, confidence):
+    said = {**beside, "answer": {"is_ood": True, "aspect": "a deer", **inside}}
+    answer = read_aspect(json.dumps(said))
+    assert (answer.value.confidence if answer.value else answer.note) == confidence
+
+
 NEUTRAL = [
     {"confidence": 1}, {"confidence": 0.8}, {"certainty": "80 %"}, {"confidence": "Very high"}, {"confidence": None},
     {"reasoning": "wet"}, {"step_by_step_reasoning": "wet"}, {"Thoughts": ["wet", "dark"]}, {"why": ""}, {"analysis": None},

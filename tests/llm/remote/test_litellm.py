@@ -26,7 +26,7 @@ from oodscen.errors import (
 )
 from oodscen.llm._ask import ask
 from oodscen.llm._remote.call_bounds import CallBounds
-from oodscen.llm._remote.failures import diagnose
+from oodscen.llm._remote.failures import FailedAttempt, diagnose
 from oodscen.llm._remote.failures import retry_after as seconds_to_wait
 from oodscen.llm._remote.limits import Limits
 from oodscen.llm._remote.litellm import LiteLLM
@@ -195,6 +195,13 @@ def test_a_refused_key_is_not_retried():
         server.client("m").complete(request())
     assert not caught.value.retryable
     assert len(server.received) == 1
+
+
+def test_the_wait_before_a_retry_is_capped_however_many_were_before():
+    llm = LiteLLM("m", api_base="http://127.0.0.1:9/v1", retries=10_000, max_wait_s=3.0)
+    failure = FailedAttempt("busy", "limit", retryable=True)
+    for retries in (2, 40, 1_100, 9_999):
+        assert 1.5 <= llm._wait(failure, retries, request()) <= 3.0
 
 
 def test_a_server_that_asks_for_too_long_a_wait_is_given_up():
@@ -441,6 +448,20 @@ def test_with_an_address_any_name_is_openai_compatible():
     assert LiteLLM("meta-llama/Llama-3", api_base=address)._model == "openai/meta-llama/Llama-3"
     assert LiteLLM("claude-like", api_base=address)._model == "openai/claude-like"
     assert LiteLLM("ollama/llama3", api_base=address)._model == "ollama/llama3"
+
+
+@pytest.mark.parametrize(
+    "name", ["api_base", "max_tokens", "messages", "model", "seed", "stream", "timeout"]
+)
+def test_options_hold_nothing_that_has_an_argument_or_is_set_by_the_call(name):
+    with pytest.raises(UsageError, match=f"options must not hold {name}"):
+        LiteLLM("gpt-4o", api_base="http://127.0.0.1:9/v1", options={name: 1})
+
+
+@pytest.mark.parametrize("end", ["#", "#part"])
+def test_an_address_with_a_fragment_is_refused(end):
+    with pytest.raises(UsageError, match="is not the address of a server"):
+        LiteLLM("m", api_base=f"http://127.0.0.1:9/v1{end}")
 
 
 def test_without_a_key_an_own_server_still_gets_one(monkeypatch):

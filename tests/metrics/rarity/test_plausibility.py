@@ -1,5 +1,7 @@
 """What cannot be, and more than one event."""
 
+import time
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -140,6 +142,13 @@ def test_a_point_parts_groups_of_digits_only_in_fast_units(text, is_fast):
     assert is_impossible(text) == is_fast
 
 
+def test_a_text_of_blanks_takes_no_longer_than_one_of_words():
+    start = time.process_time()
+    assert len(parts("A car waits here, then" + " " * 19_900 + "one of them goes on.")) == 2
+    assert len(parts("A car waits" + " " * 19_900 + "and goes on.")) == 1
+    assert time.process_time() - start < 1.0
+
+
 @given(st.text())
 def test_any_text_is_read(text):
     assert is_impossible(text) in (True, False)
@@ -154,6 +163,12 @@ def test_any_text_is_read(text):
         ("The deer jumps on the road.", False),
         ("A red light.", False),
         ("A car waits at the red light.", False),
+        ("The rider faints.", True),
+        ("Horses ran loose.", True),
+        ("Faint lane markings lie under the snow.", False),
+        ("The lines are faintly visible.", False),
+        ("The car waits with its ignition off.", False),
+        ("Collapsible bollards close the lane.", False),
     ],
 )
 def test_a_new_thing_that_does_something_sudden_is_an_event(part, is_event):

@@ -80,11 +80,22 @@ OFFSETS = {
 }
 
 
-@pytest.mark.parametrize("offsets", [OFFSETS, {"curve_speed": math.nan}])
-def test_every_wrong_member_of_the_observation_is_found(offsets) -> None:
-    found = lines(observing(**offsets))
-    for name in offsets:
+def test_every_wrong_member_of_the_observation_is_found() -> None:
+    found = lines(observing(**OFFSETS))
+    for name in OFFSETS:
         assert any(f"observation: {name} is" in line for line in found), name
+
+
+@pytest.mark.parametrize("value", [None, "dry", math.nan])
+@pytest.mark.parametrize("name", sorted({*OFFSETS} - {"lane_left_m", "lane_right_m"}))
+def test_a_member_of_the_observation_that_is_no_number_is_named(name, value) -> None:
+    class Altered(Few):
+        def observe(self):
+            return replace(super().observe(), **{name: value})
+
+    found = lines(Altered)
+    assert found
+    assert all(f"observe() returned {name}: {value!r}, not a number" in line for line in found)
 
 
 @pytest.mark.parametrize("wrong", [1.0, math.nan])
@@ -115,7 +126,11 @@ def test_a_wrong_place_or_acceleration_is_told_of_its_body(row, wrong) -> None:
         (lambda state: {"off_road": False}, "off_road is False beside the road"),
         (
             lambda state: {"poses": state.poses + np.array([0.0, 0.0, 1.0, 0.0])},
-            "1.00 m above the road",
+            "'ego' is 1.00 m above the road",
+        ),
+        (
+            lambda state: {"poses": state.poses - np.array([0.0, 0.0, 1.0, 0.0])},
+            "'ego' is 1.00 m below the road",
         ),
         (
             lambda state: {"poses": state.poses + np.array([0.0, 0.0, 0.0, 0.6])},
@@ -153,12 +168,13 @@ def test_members_that_are_unknown_at_first_are_checked_later() -> None:
     assert any("accelerations: " in line for line in found)
 
 
-def test_an_ego_that_does_not_turn_is_found() -> None:
-    class Straight(Few):
+@pytest.mark.parametrize("factor", [0.0, -1.0])
+def test_an_ego_that_does_not_turn_where_it_steers_is_found(factor) -> None:
+    class Wrong(Few):
         def step(self, control):
-            return super().step(replace(control, steering=0.0))
+            return super().step(replace(control, steering=factor * control.steering))
 
-    assert any("does not turn when it steers left" in line for line in lines(Straight))
+    assert any("does not turn left when it steers left" in line for line in lines(Wrong))
 
 
 @pytest.mark.parametrize(
