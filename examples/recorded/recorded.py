@@ -2,8 +2,10 @@
 
 Pack the recording of a study into the few lines that its answers take, and use them as a model:
 
-    python examples/recorded/recorded.py STUDY
+    python examples/recorded/recorded.py STUDY PACKED.jsonl
     PYTHONPATH=examples/recorded oodscen run OUT --llm recorded:Recorded
+
+The model gives the answers of `answers.jsonl` beside this file, unless `RECORDED` in the environment names another.
 
 `replay:FILE` answers only questions that are the same to the byte. Here an answer is found by what it is about: the
 text, the path of labels, the number of the round. So it lasts when questions are put in better words. Answers are still
@@ -11,6 +13,7 @@ read and checked as any model's.
 """
 
 import json
+import os
 import re
 import sys
 from collections.abc import Iterable, Mapping
@@ -20,7 +23,7 @@ from typing import Any
 from oodscen.errors import LLMError
 from oodscen.protocols import Completion, Request
 
-ANSWERS = Path(__file__).with_name("answers.jsonl")
+ANSWERS = Path(os.environ.get("RECORDED") or Path(__file__).with_name("answers.jsonl"))
 ABOUT = {
     "place-scenario": 1,
     "describe-path": 0,
@@ -152,14 +155,24 @@ def _object(answer: str) -> dict[str, Any]:
     return value if isinstance(value, dict) else {}
 
 
-def main(study: str) -> None:
-    """Pack the recording of a study."""
-    lines = Path(study, "answers.jsonl").read_text(encoding="utf-8").splitlines()
-    rows = packed(json.loads(line) for line in lines if line.strip())
-    text = "".join(json.dumps(row, ensure_ascii=False) + "\n" for row in rows)
-    ANSWERS.write_text(text, encoding="utf-8")
-    print(f"{len(rows)} answers, {len(text.encode()):,} bytes: {ANSWERS}")
+def main(study: str, packed_file: str) -> None:
+    """Pack the recording of a study into a new file."""
+    try:
+        lines = Path(study, "answers.jsonl").read_text(encoding="utf-8").splitlines()
+        rows = packed(json.loads(line) for line in lines if line.strip())
+        text = "".join(json.dumps(row, ensure_ascii=False) + "\n" for row in rows)
+        with Path(packed_file).open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        sys.exit(f"{packed_file} exists; name a new file")
+    except FileNotFoundError as error:
+        sys.exit(
+            f"{error.filename} does not exist; only a study that a model has written has a recording"
+        )
+    print(f"{len(rows)} answers, {len(text.encode()):,} bytes: {packed_file}")
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        sys.exit("usage: python recorded.py STUDY PACKED.jsonl")
     main(*sys.argv[1:])

@@ -96,3 +96,20 @@ def test_packing_keeps_the_last_answer_and_takes_groups_apart(recorded, tmp_path
         model.complete(Request(unknown, unknown.messages(), {}))
     with pytest.raises(LLMError):
         model.complete(Request(known, known.messages(), {}, attempt=2))
+
+
+def test_a_recording_is_packed_into_a_new_file_alone(recorded, tmp_path):
+    line = {"purpose": "grow", "messages": [{"text": "Q"}], "answer": "A"}
+    (tmp_path / "answers.jsonl").write_text(json.dumps(line) + "\n")
+    packed = tmp_path / "packed.jsonl"
+    recorded.main(str(tmp_path), str(packed))
+    assert recorded.Recorded(packed).answers == {("grow", "0"): "A"}
+    for study, file, fault in (
+        (tmp_path, packed, "exists; name a new file"),
+        (tmp_path, recorded.ANSWERS, "exists; name a new file"),
+        (tmp_path / "no", tmp_path / "other.jsonl", "does not exist"),
+    ):
+        before = file.read_bytes() if file.exists() else None
+        with pytest.raises(SystemExit, match=fault):
+            recorded.main(str(study), str(file))
+        assert (file.read_bytes() if file.exists() else None) == before
