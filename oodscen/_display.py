@@ -9,7 +9,7 @@ from itertools import islice
 from pathlib import PurePath
 from typing import Any, ClassVar
 
-from oodscen._words.redaction import HIDDEN, redact, secrets_in
+from oodscen._words.redaction import HIDDEN, redact, redact_repr, secrets_in
 
 LINES = 5
 """Maximum number of lines of a representation."""
@@ -86,8 +86,11 @@ def _abridged(value: object) -> str:
     if type(value) in (tuple, list) and isinstance(value, Sequence):
         ends = "()" if isinstance(value, tuple) else "[]"
         return _joined(ends[0], map(_abridged, islice(value, _MOST)), ends[1], len(value))
-    text = " ".join(redact(repr(value)).split())
-    if " at 0x" in text:
+    try:
+        text = " ".join(redact_repr(repr(value)).split())
+    except Exception:  # The class may be anybody's.
+        text = ""
+    if not text or " at 0x" in text:
         return f"<{getattr(value, '__qualname__', type(value).__name__)}>"
     if len(text) <= _ROOM:
         return text

@@ -1,5 +1,6 @@
 """How values look: five short lines in a terminal, tables and pictures in a notebook, and never a credential."""
 
+import dataclasses
 import importlib
 import inspect
 import re
@@ -251,3 +252,28 @@ def test_a_study_shows_its_counts_and_links_to_its_report(tmp_path, monkeypatch)
     monkeypatch.chdir("/")
     (folder / "study.json").write_text("[")
     assert SCRIPT not in "".join(html(Study(folder)._repr_html_()).itertext())
+
+
+SECRETS = (
+    "password passwd token access_token secret client_secret key api_key bearer credentials".split()
+)
+
+
+@given(st.sampled_from(SECRETS), st.text(max_size=40))
+def test_no_field_of_a_foreign_object_that_is_named_as_a_secret_is_shown(name, value):
+    model = dataclasses.make_dataclass("Model", [(name, str), ("seed", int)])
+    held = model(f"hidden{value}hidden", 3)
+    for one in (held, [held], {"model": held}, {name: held}):
+        assert "hidden" not in brief(ScriptedLLM([]), [("llm", one)])
+    assert "seed=3" in brief(ScriptedLLM([]), [("llm", held)])
+
+
+@pytest.mark.parametrize("fault", [ValueError("no"), None])
+def test_an_object_that_cannot_represent_itself_is_shown_by_its_type(fault):
+    class Mute:
+        def __repr__(self):
+            if fault is not None:
+                raise fault
+            return
+
+    assert brief(ScriptedLLM([]), [("llm", Mute())]) == "ScriptedLLM(llm=<Mute>)"

@@ -40,6 +40,11 @@ _SHAPES = re.compile(
     re.VERBOSE,
 )
 
+_NAMED = re.compile(
+    r"""(?<!\w)(?P<name>[A-Za-z_]\w{0,63})(?P<is>["']?\s?[=:]\s?)(?P<quote>["'])(?:\\.|(?!(?P=quote))[^\\]){1,500}(?P=quote)"""
+)
+"""A field and its text, as in `password='...'` and `{'token': '...'}`."""
+
 _DASHES = "‐‑‒–—―−"
 """Characters that stand for a hyphen where text is typeset."""
 _SLASHES = r"\\{1,8}"
@@ -75,6 +80,11 @@ def redact(text: str, known: Iterable[str] = ()) -> str:
     token, or a password or key in an address or header.
     """
     return _SHAPES.sub(_hidden, redact_keys(text, known))
+
+
+def redact_repr(text: str) -> str:
+    """Replace the credentials in the representation of an object, with all that its fields name as such."""
+    return redact(_NAMED.sub(_without_value, text))
 
 
 def redact_keys(text: str, known: Iterable[str] = ()) -> str:
@@ -279,3 +289,9 @@ def _digits(value: str) -> set[str]:
 
 def _hidden(match: re.Match[str]) -> str:
     return f"{match['query'] or match['header'] or ''}{HIDDEN}"
+
+
+def _without_value(match: re.Match[str]) -> str:
+    if not _is_secret(match["name"]):
+        return match[0]
+    return f"{match['name']}{match['is']}{match['quote']}{HIDDEN}{match['quote']}"
