@@ -18,6 +18,7 @@ from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._fitting import fitted
 from oodscen.prompts._tree.judge_branch import BranchJudgement, JudgeBranch, JudgeBranches
 from oodscen.protocols import LLM
+from oodscen.stages._failures import refuse_if_all_failed
 from oodscen.stages._prune.decisions import (
     MEANS,
     Match,
@@ -81,13 +82,20 @@ class Pruner(Brief):
     def run(self, tree: ScenarioTree, *, progress: Progress | bool | None = None) -> ScenarioTree:
         """Return the simulatable tree; its edits hold the reason for every node.
 
+        A leaf that could not be judged is dropped, and its edit says so.
+
         Args:
             tree: The diverse tree.
             progress: True for a progress bar, or a callable; it counts the leaves.
+
+        Raises:
+            LLMError: When no leaf could be judged.
         """
         with reporting(progress) as report_progress:
-            judged = counted(self.decisions(tree), "prune", len(tree.leaves), report_progress)
-            return apply_decisions(tree, judged)
+            decisions = self.decisions(tree)
+            judged = list(counted(decisions, "prune", len(tree.leaves), report_progress))
+        refuse_if_all_failed(judged, "no leaf could be judged", self.llm.name)
+        return apply_decisions(tree, judged)
 
     @checked
     def decisions(self, tree: ScenarioTree, done: Iterable[str] = ()) -> Iterator[PruneDecision]:

@@ -18,6 +18,7 @@ from oodscen.prompts._digest import CatalogueDigest
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.prompts._tree.place_scenario import PlacedScenario, PlaceScenario
 from oodscen.protocols import LLM, Completion, Encoder, Request
+from oodscen.stages._failures import refuse_if_all_failed
 from oodscen.stages._options import RedTeamOptions, with_changes
 from oodscen.stages._redteam.changes import edits_of, misfits, resolve_decision, runners_up
 from oodscen.stages._redteam.excerpt import excerpt, list_leaves
@@ -82,20 +83,26 @@ class RedTeamer(Brief):
     def run(self, tree: ScenarioTree, *, progress: Progress | bool | None = None) -> ScenarioTree:
         """Return the tree after all rounds; each edit holds its round, text and reason.
 
+        A round that fails leaves the tree unchanged; `rounds` tells why.
+
         Args:
             tree: The initial tree.
             progress: True for a progress bar, or a callable; it counts the rounds.
+
+        Raises:
+            LLMError: When every round fails.
         """
+        played: list[Round] = []
         with reporting(progress) as report_progress:
-            done, total = 0, self.options.iterations
-            report_progress("redteam", done, total)
+            total = self.options.iterations
+            report_progress("redteam", 0, total)
             for item in self.rounds(tree):
-                tree = tree.apply(*item.edits)
-                done = item.round
-                report_progress("redteam", done, total)
-            if done < total:
-                report_progress("redteam", done, done)
-        return tree
+                played.append(item)
+                report_progress("redteam", len(played), total)
+            if len(played) < total:
+                report_progress("redteam", len(played), len(played))
+        refuse_if_all_failed(played, "every round failed", self.red_llm.name)
+        return tree.apply(*(edit for item in played for edit in item.edits))
 
     @checked
     def rounds(self, tree: ScenarioTree, done: Iterable[Round] = ()) -> Iterator[Round]:

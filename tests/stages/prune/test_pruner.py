@@ -381,7 +381,8 @@ def test_whatever_a_model_says_the_tree_stays_valid(reason, label, names):
         "missing": [*names, "weather: hail"], "assets": names[:1],
     }  # fmt: skip
     tree = planted("Deer", "Stag")
-    result = Pruner(ScriptedLLM(lambda request: answer), FlatSimulator().catalogue()).run(tree)
+    pruner = Pruner(ScriptedLLM(lambda request: answer), FlatSimulator().catalogue())
+    result = pruner.pruned(tree, pruner.decisions(tree))
     assert ScenarioTree.parse(result.to_json()) == result
 
 
@@ -456,3 +457,15 @@ def test_a_server_that_is_away_fails_the_group_until_later():
     assert [(decision.status, decision.retryable) for decision in decisions] == [
         ("failed", True)
     ] * 2
+
+
+def test_a_tree_of_which_no_leaf_could_be_judged_is_no_result():
+    tree = grown(range(6))
+    catalogue = FlatSimulator().catalogue()
+    dead = ScriptedLLM(lambda request: LLMError("no server", retryable=True))
+    pruner = Pruner(dead, catalogue)
+    with pytest.raises(LLMError, match="no leaf could be judged: no server") as caught:
+        pruner.run(tree)
+    assert caught.value.retryable
+    assert {decision.status for decision in pruner.decisions(tree)} == {"failed"}
+    assert len(pruner.run(ScenarioTree())) == 0

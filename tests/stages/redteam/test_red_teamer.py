@@ -36,7 +36,14 @@ def model(placing, imagining=PIANO + " ({})"):
 
 def play(placing, *, tree=TREE, imagining=PIANO + " ({})", **options):
     teamer = RedTeamer(model(placing, imagining), **{"iterations": 1, **options})
-    return list(teamer.rounds(tree)), teamer.run(tree)
+    rounds = list(teamer.rounds(tree))
+    after = tree.apply(*(edit for item in rounds for edit in item.edits))
+    if any(item.status == "ok" for item in rounds):
+        assert teamer.run(tree) == after
+    else:
+        with pytest.raises(LLMError, match="every round failed"):
+            teamer.run(tree)
+    return rounds, after
 
 
 # ------------------------------------------------------------------ decisions
@@ -460,3 +467,9 @@ def test_the_open_loop_sees_nothing_so_proposals_in_flight_change_nothing():
         return list(teamer.rounds(TREE))
 
     assert log(1) == log(5)
+
+
+def test_a_run_in_which_every_round_fails_is_no_result():
+    dead = ScriptedLLM(lambda request: LLMError("no server"))
+    with pytest.raises(LLMError, match="every round failed: no server"):
+        RedTeamer(dead, iterations=3).run(ScenarioTree.initial())
