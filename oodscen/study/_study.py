@@ -199,7 +199,8 @@ class Study(Brief, StudyUses):
     @property
     def metrics(self) -> dict[str, Any]:
         """Content of `metrics.json`; empty if there is none yet."""
-        return self.store.read("metrics.json") if self.store.has("metrics.json") else {}
+        is_missing = self.folder.is_dir() and not self.store.has("metrics.json")
+        return {} if is_missing else self.store.read("metrics.json")
 
     @property
     def exposure(self) -> dict[str, float]:

@@ -9,9 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.errors import DataError, StudyError
+from oodscen.errors import DataError, OodscenError, StudyError, StudyMissing
 from oodscen.study import _store
 from oodscen.study._store import Store
+from oodscen.study._study import Study
 
 ROWS = st.lists(
     st.fixed_dictionaries(
@@ -179,6 +180,18 @@ def test_a_folder_that_cannot_be_made_is_a_study_error(tmp_path):
             pass
     with Store(tmp_path / "a" / "b").writing():
         assert (tmp_path / "a" / "b").is_dir()
+
+
+def test_a_folder_that_was_moved_away_is_not_empty(tmp_path):
+    study = Study(tmp_path / "study")
+    study.store.prepare()
+    assert (study.episodes, study.metrics, study.table("scenes")) == ([], {}, [])
+    (tmp_path / "study").rename(tmp_path / "elsewhere")
+    for name in ("episodes", "scenarios", "scenes", "rounds", "decisions", "metrics"):
+        with pytest.raises(OodscenError, match="study"):
+            getattr(study, name)
+    with pytest.raises(StudyMissing):
+        study.table("scenes")
 
 
 def test_a_folder_that_was_moved_away_is_not_made_again(tmp_path):
