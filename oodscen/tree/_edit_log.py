@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from oodscen._numbers import said
+from oodscen._words.text import whole
 from oodscen.errors import Issue
 from oodscen.tree._edits import Node, TreeEdit, edited
 from oodscen.tree._labels import label_fault
@@ -22,6 +23,7 @@ _FIELDS: dict[str, frozenset[str]] = {
     "remove": frozenset(),
 }
 """The fields about the node that each kind of edit uses."""
+_FREE_TEXTS = ("stage", "reason", "source", "model", "prompt", "origin", "origin_node")
 _TOO_DEEP = f"a node would lie more than {MAX_DEPTH} levels below the root: hang it higher up"
 
 
@@ -180,6 +182,9 @@ class EditLog:
         """Return the first reason why an edit cannot be applied."""
         if field := _unused_field(edit):
             return _Fault(f"a {edit.op!r} edit has no `{field}`")
+        for name in _FREE_TEXTS:
+            if whole(text := getattr(edit, name)) != text:
+                return _Fault(f"`{name}` has a lone surrogate, which is no character")
         if edit.undoes is not None and not 0 <= edit.undoes < index:
             return _Fault(f"it undoes edit {edit.undoes}, which does not come before it")
         if edit.op in ("add", "broaden", "narrow") and (fault := label_fault(edit.label or "")):

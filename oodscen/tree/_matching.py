@@ -83,12 +83,14 @@ def match(
         roots = first.nodes[0].id, second.nodes[0].id
         pairs.add(*roots, "id" if roots[0] == roots[1] else "label")
     _pair_by_shared_log(first, second, pairs)
-    for after, before in earlier_places(first, second).items():
-        if _is_leaf(first, before) == _is_leaf(second, after):
-            pairs.add(before, after, "id")
-    for before, after in earlier_places(second, first).items():
-        if _is_leaf(first, before) == _is_leaf(second, after):
-            pairs.add(before, after, "id")
+    for after, places in earlier_places(first, second).items():
+        for before in places:
+            if _is_leaf(first, before) == _is_leaf(second, after):
+                pairs.add(before, after, "id")
+    for before, places in earlier_places(second, first).items():
+        for after in places:
+            if _is_leaf(first, before) == _is_leaf(second, after):
+                pairs.add(before, after, "id")
     _ByIdAndLabel(first, second, pairs).pair()
     if encoder is not None:
         _pair_by_meaning(first, second, pairs, encoder, threshold)
@@ -141,11 +143,12 @@ def classes_of(tree: "ScenarioTree") -> dict[str, str]:
     return classes
 
 
-def earlier_places(tree: "ScenarioTree", other: "ScenarioTree") -> dict[str, str]:
-    """Return the nodes that stand for those of the other tree since it was merged in, by their ids there.
+def earlier_places(tree: "ScenarioTree", other: "ScenarioTree") -> dict[str, list[str]]:
+    """Return the nodes that stand for those of the other tree since it was merged in, by their ids there, last first.
 
     Two trees may give one id to nodes of one label, so the record of a merge must also repeat what
-    led to one of the node's edits. The two may be of different classes.
+    led to one of the node's edits. If that is the same as well, both nodes are returned. The nodes may be of different
+    classes.
     """
     grounds = {(edit.node, *grounds_of(edit)) for edit in other.edits}
     repeated = {
@@ -153,15 +156,17 @@ def earlier_places(tree: "ScenarioTree", other: "ScenarioTree") -> dict[str, str
         for edit in tree.edits
         if (edit.origin_node, *grounds_of(edit)) in grounds
     }
-    return {
-        edit.origin_node: edit.node
-        for edit in tree.edits
-        if edit.stage == "merge"
-        and edit.node in tree.by_id
-        and edit.origin_node in other.by_id
-        and (edit.node, edit.origin_node) in repeated
-        and same_words(edit.label or "") == same_words(other.by_id[edit.origin_node].label)
-    }
+    places: dict[str, dict[str, None]] = {}
+    for edit in reversed(tree.edits):
+        if (
+            edit.stage == "merge"
+            and edit.node in tree.by_id
+            and edit.origin_node in other.by_id
+            and (edit.node, edit.origin_node) in repeated
+            and same_words(edit.label or "") == same_words(other.by_id[edit.origin_node].label)
+        ):
+            places.setdefault(edit.origin_node, {})[edit.node] = None
+    return {node: list(found) for node, found in places.items()}
 
 
 def grounds_of(edit: TreeEdit) -> tuple[int | None, str, str, str]:

@@ -220,17 +220,16 @@ def _earlier_places(
     places: dict[str, str] = {}
     surroundings: dict[str | None, str] = {None: ""}
     for node in second.nodes:
-        around, own_class = surroundings[node.parent], second_classes[node.id]
-        place = recorded.get(node.id)
-        is_anywhere = "" in (own_class, around)
-        if (
-            place is not None
-            and node.id not in shared
-            and (is_anywhere or classes[place] in ("", around, own_class))
-        ):
+        around = surroundings[node.parent]
+        fitting = {around, second_classes[node.id]}
+        candidates = () if node.id in shared else recorded.get(node.id, ())
+        place = next(
+            (one for one in candidates if "" in fitting or classes[one] in ("", *fitting)), None
+        )
+        if place is not None:
             places[node.id] = place
-        else:
-            place = pairs[node.id].before if node.id in pairs else None
+        elif node.id in pairs:
+            place = pairs[node.id].before
         surroundings[node.id] = around if place is None else classes[place]
     return places
 

@@ -40,10 +40,10 @@ class Decision(Data):
             action += f" from “{self.label_before}” to “{edit.label}”"
         elif edit.op == "move":
             action += f" below {edit.parent}"
-        round_words = "" if edit.round is None else f"round {edit.round}"
+        when = "" if edit.round is None else f"round {edit.round}"
         if edit.origin:
-            round_words = f"{round_words} of {edit.origin}".strip()
-        author = ", ".join(filter(None, (edit.stage, round_words, edit.model)))
+            when = f"{when} of {edit.origin}" if when else edit.origin
+        author = ", ".join(filter(None, (edit.stage, when, edit.model)))
         line = f"{self.index}: {action} by {author or 'nobody named'}"
         line += f" ({edit.prompt})" if edit.prompt else ""
         line += f": {edit.reason}" if edit.reason else ""

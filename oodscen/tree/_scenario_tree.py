@@ -194,11 +194,12 @@ class ScenarioTree:
         Args:
             edit: After this many edits.
             round: After this red-team round, and before the first edit of a later one or of a
-                merge; 0 is the tree before red teaming.
+                merge; 0 is the tree before red teaming. A round that changed nothing, or comes after the last
+                one, is the tree that was there by then.
             stage: After the last edit of this stage.
 
         Raises:
-            UsageError: If not exactly one argument is given, or there was no such moment.
+            UsageError: If not exactly one argument is given, or there was no such edit or stage.
         """
         return self._at(self._index, version_at(self.edits, edit=edit, round=round, stage=stage))
 

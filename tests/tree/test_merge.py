@@ -66,6 +66,22 @@ def test_the_second_tree_merged_in_again_changes_nothing(one, other, encoder):
     assert merge(one, one, encoder=encoder) == one
 
 
+@few
+@given(trees, trees, trees, st.sampled_from([None, ENCODER]))
+def test_a_tree_merged_in_again_after_another_changes_nothing(one, second, third, encoder):
+    merged = merge(merge(one, second, encoder=encoder), third, encoder=encoder)
+    assert merge(merged, second, encoder=encoder) == merged
+
+
+def test_one_id_with_one_label_in_two_classes_is_known_again_in_each():
+    def tree(family, top):
+        return weather_tree((family, "weather", "Weathers"), ("fog", family, "Fog"), top=top)
+
+    second, third = tree("calm", "environmental"), tree("wild", "interactional")
+    merged = merge(merge(ScenarioTree.initial(), second), third)
+    assert merge(merged, second) == merge(merged, third) == merged
+
+
 def test_a_node_that_was_relabelled_before_the_merge_keeps_its_pair():
     """The second tree's `fog` has the label that the first gave to a node of both."""
     weather = TreeEdit(op="add", node="weather", parent="environmental", label="Weather")

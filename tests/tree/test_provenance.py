@@ -105,3 +105,9 @@ def test_what_a_model_says_is_shown_escaped():
     shown = str(tree.provenance("fog"))
     assert not {"\x1b", "\x07", "\u202e"} & set(shown)
     assert len(shown.splitlines()) == 2
+
+
+def test_an_edit_of_a_merge_without_a_round_names_the_tree():
+    edit = TreeEdit(op="keep", node="root", origin="merge-1", model="m")
+    tree = ScenarioTree.initial().apply(edit)
+    assert "kept by merge-1, m" in str(tree.provenance("root"))

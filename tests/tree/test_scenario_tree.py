@@ -555,3 +555,10 @@ def test_labels_pair_by_meaning_from_the_threshold_on():
         merged = one.merge(other, encoder=encoder, threshold=threshold, name="theirs")
         assert len(merged) == len(one) + 1 - pairs
         assert merged.edits[-1].origin == "theirs"
+
+
+@pytest.mark.parametrize("name", ["stage", "reason", "source", "model", "prompt", "origin"])
+def test_an_edit_with_half_a_character_is_refused(name):
+    tree = ScenarioTree.initial()
+    with pytest.raises(DataError, match=f"`{name}` has a lone surrogate"):
+        tree.apply(TreeEdit(op="keep", node="root", **{name: "a\ud800b"}))
