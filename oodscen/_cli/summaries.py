@@ -1,5 +1,6 @@
 """Results in words, as the commands print them."""
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +26,8 @@ def summary(info: dict[str, Any]) -> str:
         f"{counts['scenarios']} scenarios, {counts['scenes']} scenes, {counts['episodes']} episodes, "
         f"{counts['verdicts']} verdicts",
     ]
+    if "fallback" in info["authors"] and (answered := _answered(info["usage"])):
+        lines.append(f"answered calls: {answered}")
     if not counts["paths"]:
         lines.append("no path is left to be shown, so there is no scene: pruned.jsonl tells why")
     if outside := counts.get("outside_band"):
@@ -45,6 +48,18 @@ def summary(info: dict[str, Any]) -> str:
             "a model or process may yet answer (limits, no connection, a death), --retry-failed all of them"
         )
     return "\n".join(lines)
+
+
+def _answered(usage: Iterable[Mapping[str, Any]]) -> str:
+    """Return how many calls each model that writes a study answered, from the lines of its usage."""
+    calls: Counter[str] = Counter()
+    failed: Counter[str] = Counter()
+    for row in usage:
+        stage, model = row["group"]
+        if stage != "evaluate":
+            calls[model] += row["calls"]
+            failed[model] += row["failed"]
+    return ", ".join(f"{name} {total - failed[name]} of {total}" for name, total in calls.items())
 
 
 def estimated(rows: Sequence["Account"]) -> str:

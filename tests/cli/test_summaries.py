@@ -21,9 +21,16 @@ def test_who_wrote_the_texts_is_told_with_the_fallback(authors, told) -> None:
         "authors": authors,
         "counts": counts,
         "failures": {},
-        "usage": [],
+        "usage": [
+            {"group": ["grow", "m"], "calls": 2, "failed": 1},
+            {"group": ["redteam", "m"], "calls": 1, "failed": 1},
+            {"group": ["redteam", "f"], "calls": 3, "failed": 0},
+            {"group": ["evaluate", "vlm"], "calls": 9, "failed": 0},
+        ],
     }
-    assert summary(info).splitlines()[0].endswith(f"texts by {told}")
+    first, *others = summary(info).splitlines()
+    assert first.endswith(f"texts by {told}")
+    assert ("answered calls: m 1 of 3, f 3 of 3" in others) == ("fallback" in authors)
 
 
 def test_items_without_a_whole_answer_are_told_per_model() -> None:
