@@ -47,7 +47,7 @@ MODULES = {
     "oodscen/judging/_parsing/members.py": ("tests/judging/parsing",),
     "oodscen/judging/_parsing/reading.py": ("tests/judging/parsing",),
     "oodscen/judging/_parsing/reasons.py": ("tests/judging/parsing",),
-    "oodscen/judging/_parsing/stating.py": ("tests/judging/parsing",),
+    "oodscen/judging/_parsing/stated_option.py": ("tests/judging/parsing",),
     "oodscen/judging/_leaderboard/leaderboard.py": ("tests/judging/leaderboard",),
     "oodscen/judging/_leaderboard/standings.py": ("tests/judging/leaderboard",),
     "oodscen/judging/_leaderboard/rows.py": ("tests/judging/leaderboard",),

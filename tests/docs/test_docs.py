@@ -140,6 +140,24 @@ def test_links_lead_somewhere():
             assert (page.parent / target).exists(), f"{page.name}: {target}"
 
 
+def test_files_of_the_house_that_pages_and_benchmarks_name_exist():
+    """A path in a page begins anywhere in the house: `_roads/`, `data/`, `oodscen/`."""
+    folders = ("oodscen", "adapters", "tests", "tools", "benchmarks", "examples", "docs")
+    house = [
+        f"/{path.relative_to(ROOT)}" for name in folders for path in (ROOT / name).rglob("*.*")
+    ]
+    named = {
+        (page.name, path)
+        for page in [*PAGES, *(ROOT / "benchmarks").glob("*.py")]
+        for path in re.findall(
+            r"[`\"]((?:[\w.-]+/)+\w+\.(?:py|toml|md))[`\"]", page.read_text("utf-8")
+        )
+    }
+    assert len(named) > 90
+    lost = {(page, path) for page, path in named if not any(f.endswith(f"/{path}") for f in house)}
+    assert not lost
+
+
 def test_the_page_of_the_command_line_has_the_exit_codes():
     page = (ROOT / "docs" / "command_line.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| (\d+) \| (.+) \|$", page, re.MULTILINE)
