@@ -27,7 +27,8 @@ from oodscen import Augmenter, Describer, Pruner, RedTeamer, TreeGrower, make_ll
 from oodscen._pipeline.jobs import Job
 from oodscen._pipeline.sweep import sweep
 from oodscen.data._episode import ACTIONS, MOMENTS
-from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
+from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
+from oodscen.data._weather import Weather
 from oodscen.driving._motion.actions import action_driver
 from oodscen.driving._trace import Trace
 from oodscen.errors import LLMError

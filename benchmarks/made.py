@@ -38,7 +38,7 @@ from oodscen_pybullet._types import Pose
 from oodscen.data._designs import shapes
 from oodscen.data._designs.prop import Prop, check_prop
 from oodscen.data._designs.shapes import Part
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import DataError

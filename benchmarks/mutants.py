@@ -49,7 +49,7 @@ MODULES = {
     "oodscen/judging/_parsing/reasons.py": ("tests/judging/parsing",),
     "oodscen/judging/_parsing/stated_option.py": ("tests/judging/parsing",),
     "oodscen/judging/_leaderboard/leaderboard.py": ("tests/judging/leaderboard",),
-    "oodscen/judging/_leaderboard/standings.py": ("tests/judging/leaderboard",),
+    "oodscen/judging/_leaderboard/scored_rows.py": ("tests/judging/leaderboard",),
     "oodscen/judging/_leaderboard/rows.py": ("tests/judging/leaderboard",),
     "oodscen/llm/_json_objects.py": (
         "tests/llm/test_json_objects.py",
@@ -76,7 +76,7 @@ EQUIVALENT: dict[tuple[str, str], str] = {
         "pass",
     ): "edits behind the version stay in the index, where every reader of that version skips them",
     (
-        "oodscen/judging/_leaderboard/standings.py",
+        "oodscen/judging/_leaderboard/scored_rows.py",
         "if ((chance is not None) or (decidable.value is not None)):",
     ): "both are known if one decidable scene was answered, or neither is",
     (

@@ -30,7 +30,7 @@ from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
 from oodscen_pybullet._simulator import DARK
 from oodscen_pybullet._types import Pose
 
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving.maps._shipped import SHIPPED_MAPS

@@ -10,7 +10,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from oodscen._words.text import whole
-from oodscen.data._scene import Actor, Ego, Hazard, Placement, Trigger, Weather
+from oodscen.data._scene import Actor, Ego, Hazard, Placement, Trigger
+from oodscen.data._weather import Weather
 from oodscen.llm._reading import read_answer
 from oodscen.prompts import QUESTIONS
 from oodscen.prompts._scenario.stage_scene import SceneDraft

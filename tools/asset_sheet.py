@@ -23,7 +23,7 @@ from oodscen_pybullet._rendering.view import CameraView
 
 from oodscen.data._catalogue import Asset
 from oodscen.data._category import Category
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen.protocols import Camera
 
 Image = NDArray[np.uint8]

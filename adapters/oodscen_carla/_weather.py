@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from oodscen.data import Weather
-from oodscen.data._scene import CLEAR_AIR_M, Precipitation
+from oodscen.data._weather import CLEAR_AIR_M, Precipitation
 
 _DENSE_M = 2_000.0
 """Visual range of fog of density 1, m; the range falls as the density grows."""

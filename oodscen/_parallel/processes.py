@@ -326,7 +326,9 @@ def serve(connection: Connection) -> None:
                     os._exit(1)  # The child of a call that has forked.
                 connection.send_bytes(answer)
     except KeyboardInterrupt:
-        pass
+        sys.exit(
+            128 + signal.SIGTERM
+        )  # As a shell reports it, in case that the call itself sent the signal.
     except OSError:  # Nobody takes the answer.
         _is_abandoned = True
     finally:

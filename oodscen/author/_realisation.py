@@ -8,7 +8,7 @@ from oodscen.author._knowledge.base import Counterpart, HazardKind, Knowledge, R
 from oodscen.author._settings import Showable
 from oodscen.author._staging.anchors import has_landmarks, landmarks_needed
 from oodscen.data._additions import Addition, map_with
-from oodscen.data._scene import is_weather_kind
+from oodscen.data._weather import is_weather_kind
 from oodscen.prompts._digest import AssetLine, CatalogueDigest
 from oodscen.prompts._tree.judge_branch import Substitute
 

@@ -10,7 +10,8 @@ from oodscen.claims._actors import Verdict
 from oodscen.claims._roads import holds_on
 from oodscen.data._catalogue import RoadMap
 from oodscen.data._claim import Claim
-from oodscen.data._scene import DARK_DEG, FOG_M, Scene, Weather
+from oodscen.data._scene import Scene
+from oodscen.data._weather import DARK_DEG, FOG_M, Weather
 from oodscen.driving._trace import Trace
 
 THICK_FOG_M, MIST_M = 200.0, 5000.0

@@ -13,5 +13,5 @@ from ._scene import Hazard as Hazard
 from ._scene import Placement as Placement
 from ._scene import Scene as Scene
 from ._scene import Trigger as Trigger
-from ._scene import Weather as Weather
 from ._verdict import Verdict as Verdict
+from ._weather import Weather as Weather

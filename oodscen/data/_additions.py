@@ -17,7 +17,7 @@ from oodscen.data._catalogue import (
     WeatherRange,
 )
 from oodscen.data._category import Category
-from oodscen.data._scene import WeatherKind, is_weather_kind
+from oodscen.data._weather import WeatherKind, is_weather_kind
 from oodscen.errors import UsageError
 
 AdditionKind = Literal["asset", "state", "behaviour", "weather", "map", "other"]

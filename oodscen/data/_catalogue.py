@@ -16,7 +16,8 @@ from oodscen.data._detail_checks import check_details, unknown_words
 from oodscen.data._details import AssetDetails, DetailKinds, shown_as
 from oodscen.data._issues import IssuesError, below
 from oodscen.data._map_state import MapPart
-from oodscen.data._scene import CLEAR_AIR_M, Actor, Precipitation, Scene, Weather
+from oodscen.data._scene import Actor, Scene
+from oodscen.data._weather import CLEAR_AIR_M, Precipitation, Weather
 from oodscen.errors import Issue
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ JSON: nothing may depend on the order of keys.
 """
 
 from collections.abc import Iterator, Mapping
-from typing import Any, ClassVar, Literal, Self, TypeGuard, get_args
+from typing import Any, ClassVar, Literal, Self
 
 from pydantic import Field, ValidationError, field_validator, model_validator
 
@@ -21,6 +21,7 @@ from oodscen.data._issues import IssuesError, issues_of
 from oodscen.data._map_state import MapState
 from oodscen.data._pairing import is_ordinary, is_twin, twin_id
 from oodscen.data._scene_uses import SceneUses
+from oodscen.data._weather import Weather
 from oodscen.errors import Issue
 
 Identifier = Field(pattern=r"^[a-z0-9][a-z0-9_-]{0,40}$")
@@ -35,48 +36,6 @@ MAX_ACTORS = 400
 """Largest number of actors of a scene."""
 SHORTEST_HORIZON_S, LONGEST_HORIZON_S = 0.1, 60.0
 """Least and greatest time for which an action is watched, s."""
-
-
-Precipitation = Literal["none", "rain", "snow"]
-"""Forms of precipitation."""
-PRECIPITATIONS: tuple[Precipitation, ...] = get_args(Precipitation)
-WeatherKind = Literal["night", "fog", "rain", "snow", "ice"]
-"""Kinds of weather and light that a scene can ask for by its numbers."""
-WEATHER_KINDS: tuple[WeatherKind, ...] = get_args(WeatherKind)
-CLEAR_AIR_M = 10_000.0
-"""Visual range from which the air is clear, m."""
-FOG_M = 1_000.0
-"""Visual range below which the air is fog, m (WMO)."""
-DARK_DEG = -3.0
-"""Sun elevation below which it is dark enough for lamps, degrees."""
-DUSK_DEG = -6.0
-"""Sun elevation at which civil twilight ends, degrees."""
-
-
-def is_weather_kind(name: str) -> TypeGuard[WeatherKind]:
-    """Return whether a word names a kind of weather that a scene can ask for."""
-    return name in WEATHER_KINDS
-
-
-class Weather(Data):
-    """Weather and light, in OpenSCENARIO's terms."""
-
-    sun_elevation_deg: float = Field(default=45.0, ge=-90, le=90)
-    """Negative at night."""
-    fog_visual_range_m: float = Field(default=CLEAR_AIR_M, gt=0)
-    """Distance at which contrast falls to 5 %; 10 km and more is clear air."""
-    precipitation: Precipitation = "none"
-    precipitation_mm_h: float = Field(default=0.0, ge=0, le=100)
-    cloud_cover: float = Field(default=0.1, ge=0, le=1)
-    """Share of the sky: OpenSCENARIO's oktas divided by eight."""
-    friction: float = Field(default=1.0, gt=0, le=1.5)
-    """Scale of the road's friction; 1 is dry asphalt."""
-
-    @model_validator(mode="after")
-    def _agree(self) -> Self:
-        if (self.precipitation == "none") != (self.precipitation_mm_h == 0):
-            raise ValueError("precipitation and precipitation_mm_h must both be given or neither")
-        return self
 
 
 class Trigger(Data):

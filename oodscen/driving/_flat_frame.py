@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from oodscen.data._catalogue import Asset
 from oodscen.data._category import Category
-from oodscen.data._scene import CLEAR_AIR_M, Weather
+from oodscen.data._weather import CLEAR_AIR_M, Weather
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.visibility import NEAR_M, Eye, UprightBox
 from oodscen.protocols import Camera, Frame

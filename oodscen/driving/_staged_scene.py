@@ -13,7 +13,8 @@ from oodscen._arguments import checked, state_of
 from oodscen._display import Brief
 from oodscen._field_docs import with_fields
 from oodscen.data._catalogue import Asset, Catalogue
-from oodscen.data._scene import Actor, Scene, Weather
+from oodscen.data._scene import Actor, Scene
+from oodscen.data._weather import Weather
 from oodscen.driving._flat_frame import flat_frame
 from oodscen.driving._motion.bodies import within_grip
 from oodscen.driving._motion.world import KinematicWorld

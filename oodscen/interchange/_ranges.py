@@ -12,7 +12,8 @@ from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._claim import Claim
-from oodscen.data._scene import CLEAR_AIR_M, MAX_SPEED, MAX_TRIGGER, Actor, Scene
+from oodscen.data._scene import MAX_SPEED, MAX_TRIGGER, Actor, Scene
+from oodscen.data._weather import CLEAR_AIR_M
 from oodscen.driving._sight.placement import check_scene
 from oodscen.errors import DataError
 

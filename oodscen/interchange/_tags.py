@@ -13,7 +13,8 @@ import numpy as np
 from oodscen._arguments import checked
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, RoadMap
-from oodscen.data._scene import DUSK_DEG, FOG_M, Actor, Precipitation, Scene, Weather
+from oodscen.data._scene import Actor, Scene
+from oodscen.data._weather import DUSK_DEG, FOG_M, Precipitation, Weather
 from oodscen.driving._motion.behaviours.table import BUILT_IN
 from oodscen.driving._roads.building import find_map, load_corridor
 from oodscen.driving._roads.corridor import Corridor, ego_strip, neighbour_strip

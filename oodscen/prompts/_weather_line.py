@@ -7,7 +7,7 @@ from typing import Self
 from oodscen._words.decimals import exact
 from oodscen.data._additions import DENSE_FOG_M, ICE
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG, WeatherKind, is_weather_kind
+from oodscen.data._weather import CLEAR_AIR_M, DUSK_DEG, WeatherKind, is_weather_kind
 
 _CLEAR_FROM_M = 5_000.0
 """Visual range from which the air counts as clear, m."""

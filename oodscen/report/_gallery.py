@@ -13,10 +13,11 @@ from oodscen.data._bird_sketch import Sketch
 from oodscen.data._episode import ACTIONS, MOMENTS, Episode, in_order
 from oodscen.data._pairing import demand_id, is_ordinary, twin_id
 from oodscen.data._scenario import Scenario
-from oodscen.data._scene import DUSK_DEG, FOG_M, Scene, Weather
+from oodscen.data._scene import Scene
 from oodscen.data._verdict import Verdict
+from oodscen.data._weather import DUSK_DEG, FOG_M, Weather
 from oodscen.errors import UnknownComponent, UsageError
-from oodscen.judging._leaderboard.standings import outcome_of
+from oodscen.judging._leaderboard.scored_rows import outcome_of
 from oodscen.report import _phrasing as words
 from oodscen.report._charts.canvas import signed
 from oodscen.report._charts.frames import picture

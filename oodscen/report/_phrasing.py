@@ -9,16 +9,8 @@ from oodscen.data._designs.motion import Motion
 from oodscen.data._details import Details
 from oodscen.data._episode import ActionOutcome
 from oodscen.data._map_state import MapState
-from oodscen.data._scene import (
-    CLEAR_AIR_M,
-    DUSK_DEG,
-    FOG_M,
-    Actor,
-    Behaviour,
-    Placement,
-    Trigger,
-    Weather,
-)
+from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
+from oodscen.data._weather import CLEAR_AIR_M, DUSK_DEG, FOG_M, Weather
 from oodscen.driving._motion.behaviours.table import BUILT_IN, USUAL
 
 _STATES = {

@@ -11,16 +11,8 @@ from oodscen.claims._surroundings import HEAVY_RAIN, HEAVY_SNOW
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue
 from oodscen.data._details import DetailKinds, described
 from oodscen.data._map_state import MapPart
-from oodscen.data._scene import (
-    DARK_DEG,
-    FOG_M,
-    Actor,
-    Ego,
-    Placement,
-    Scene,
-    Visible,
-    Weather,
-)
+from oodscen.data._scene import Actor, Ego, Placement, Scene, Visible
+from oodscen.data._weather import DARK_DEG, FOG_M, Weather
 from oodscen.driving._motion.behaviours.codes import Code
 from oodscen.driving._motion.behaviours.table import BUILT_IN
 from oodscen.driving._roads.building import load_corridor

@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._catalogue import Catalogue
-from oodscen.data._scene import DARK_DEG, Scene
+from oodscen.data._scene import Scene
 from oodscen.data._sighting import Sighting, apparent_size
+from oodscen.data._weather import DARK_DEG
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._sight.decision_view import SCALE_PX, best, drawn, groups
 from oodscen.driving._sight.scene_checks import PlacedBody, bodies

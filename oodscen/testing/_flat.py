@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from oodscen.data._catalogue import Asset, Catalogue
-from oodscen.data._scene import Scene, Weather
+from oodscen.data._scene import Scene
+from oodscen.data._weather import Weather
 from oodscen.driving._flat_frame import flat_frame
 from oodscen.driving._mirror_simulator import MirrorSimulator
 from oodscen.driving._roads.corridor import Corridor

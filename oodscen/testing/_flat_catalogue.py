@@ -2,7 +2,7 @@
 
 from oodscen.data._catalogue import Asset, Catalogue, WeatherRange
 from oodscen.data._category import Category
-from oodscen.data._scene import PRECIPITATIONS
+from oodscen.data._weather import PRECIPITATIONS
 from oodscen.driving._motion.behaviours.table import BEHAVIOURS
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 

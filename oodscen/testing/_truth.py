@@ -9,7 +9,8 @@ import numpy as np
 
 from oodscen._arguments import checked
 from oodscen.data._episode import ACTIONS, MOMENTS
-from oodscen.data._scene import CLEAR_AIR_M, Scene, Weather
+from oodscen.data._scene import Scene
+from oodscen.data._weather import CLEAR_AIR_M, Weather
 from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._flat_frame import tangents
 from oodscen.driving._roads.building import load_corridor

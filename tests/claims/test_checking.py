@@ -6,7 +6,8 @@ from oodscen_pybullet._catalogue import load_catalogue
 from oodscen.claims._checking import check_claims, mismatches
 from oodscen.claims._watching import watch
 from oodscen.data._claim import Claim
-from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger, Weather
+from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger
+from oodscen.data._weather import Weather
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 from oodscen.testing._scenes import example_scene
 

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from oodscen.claims._surroundings import judge_surroundings
 from oodscen.data._claim import VALUES, Claim
-from oodscen.data._scene import Ego, Scene, Weather
+from oodscen.data._scene import Ego, Scene
+from oodscen.data._weather import Weather
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.testing._scenes import example_scene
 

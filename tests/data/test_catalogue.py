@@ -13,7 +13,8 @@ from oodscen.data._catalogue import (
     RoadMap,
     WeatherRange,
 )
-from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
+from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
+from oodscen.data._weather import Weather
 
 
 def asset(name, category, states=()):

@@ -6,7 +6,7 @@ from oodscen.author._reading.weather_words import WEATHER_WORDS
 from oodscen.author._staging import weather as author_weather
 from oodscen.claims import _surroundings
 from oodscen.data._claim import VALUES
-from oodscen.data._scene import PRECIPITATIONS, WEATHER_KINDS, is_weather_kind
+from oodscen.data._weather import PRECIPITATIONS, WEATHER_KINDS, is_weather_kind
 from oodscen.interchange import _tags
 from oodscen.stages._demands import demanding
 

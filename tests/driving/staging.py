@@ -1,6 +1,7 @@
 """Scenes and catalogues that the driving tests share."""
 
-from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
+from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
+from oodscen.data._weather import Weather
 from oodscen.driving import KinematicWorld
 from oodscen.driving._roads.building import load_corridor
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE

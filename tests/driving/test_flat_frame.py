@@ -4,7 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen.driving._flat_frame import _transmittance
 from oodscen.driving._roads.building import read_map
 from oodscen.driving.maps._shipped import SHIPPED_MAPS

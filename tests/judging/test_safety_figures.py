@@ -16,7 +16,8 @@ from oodscen.data._episode import (
     best_action,
     has_enough_margin,
 )
-from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
+from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
+from oodscen.data._weather import Weather
 from oodscen.driving._sight.placement import check_scene
 from oodscen.judging._safety_figures import safety_figures
 from oodscen.protocols import Camera

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.data._catalogue import WeatherRange
-from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG, WEATHER_KINDS
+from oodscen.data._weather import CLEAR_AIR_M, DUSK_DEG, WEATHER_KINDS
 from oodscen.prompts._weather_line import WeatherLimits, weather_line
 from oodscen.testing._flat_catalogue import FLAT_CATALOGUE
 

@@ -14,8 +14,9 @@ from oodscen import Study, StudyConfig
 from oodscen.data._bird_sketch import Sketch, SketchBody, SketchLane
 from oodscen.data._episode import ACTIONS, MOMENTS, ActionOutcome, Episode
 from oodscen.data._scenario import Scenario
-from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
+from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
 from oodscen.data._verdict import Verdict
+from oodscen.data._weather import Weather
 from oodscen.metrics._diversity import Diversity
 from oodscen.metrics._measurements import (
     BaselineUsed,

@@ -5,7 +5,8 @@ import pytest
 
 from oodscen import Study
 from oodscen.data._episode import ActionOutcome, Episode
-from oodscen.data._scene import Scene, Weather
+from oodscen.data._scene import Scene
+from oodscen.data._weather import Weather
 from oodscen.report._gallery import choice, conditions, payload
 from oodscen.report._load import read
 

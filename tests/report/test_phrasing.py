@@ -3,7 +3,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.data._episode import ActionOutcome
-from oodscen.data._scene import Actor, Behaviour, Placement, Trigger, Weather
+from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
+from oodscen.data._weather import Weather
 from oodscen.report import _phrasing as words
 
 NUMBERS = st.floats(-150, 300)

@@ -5,7 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oodscen.data._scene import Ego, Hazard, Scene, Trigger, Weather
+from oodscen.data._scene import Ego, Hazard, Scene, Trigger
+from oodscen.data._weather import Weather
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import SceneError
 from oodscen.protocols import Camera

@@ -9,7 +9,7 @@ from contextlib import redirect_stdout
 
 import pytest
 
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen.testing._scenes import example_scene
 
 TRACED = """

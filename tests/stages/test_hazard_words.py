@@ -5,7 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oodscen_pybullet._catalogue import load_catalogue
 
-from oodscen.data._scene import DARK_DEG, Actor, Behaviour, Ego, Hazard, Placement, Weather
+from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement
+from oodscen.data._weather import DARK_DEG, Weather
 from oodscen.driving._motion.behaviours.table import having
 from oodscen.driving._roads.building import read_map
 from oodscen.driving.maps._shipped import SHIPPED_MAPS

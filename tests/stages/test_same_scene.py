@@ -10,7 +10,8 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from oodscen import Augmenter, Scenario, make_llm
-from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
+from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
+from oodscen.data._weather import Weather
 from oodscen.driving._sight.placement import check_scene
 from oodscen.protocols import Camera
 from oodscen.stages._simulate import simulate

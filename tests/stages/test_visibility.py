@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.data._scene import Hazard, Weather
+from oodscen.data._scene import Hazard
 from oodscen.data._sighting import apparent_size
+from oodscen.data._weather import Weather
 from oodscen.protocols import Camera, Frame
 from oodscen.stages._simulate import approach
 from oodscen.stages._visibility import sighting

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from oodscen.data._catalogue import RoadMap
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import SpawnError, UnknownComponent, UsageError
 from oodscen.protocols import Control, Frame, State

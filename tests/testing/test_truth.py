@@ -5,7 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from oodscen.data._scene import Hazard, Trigger, Weather
+from oodscen.data._scene import Hazard, Trigger
+from oodscen.data._weather import Weather
 from oodscen.driving._flat_frame import tangents
 from oodscen.protocols import Camera, Frame
 from oodscen.testing import check_truth

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen.numerics import _exact as exact
 from oodscen_pybullet._types import F32, Point
 

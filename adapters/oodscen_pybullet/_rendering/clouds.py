@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 
 from oodscen._seeding import stream
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen.numerics import _exact as exact
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._rendering.plate import Clouds

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from oodscen._seeding import stream
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen.driving._sight.weather import extinction
 from oodscen.numerics._kernels import is_compiled
 from oodscen_pybullet._lighting.lamps import camera_row, ground_light

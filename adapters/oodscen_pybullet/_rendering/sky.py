@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from oodscen.data._scene import Precipitation, Weather
+from oodscen.data._weather import Precipitation, Weather
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._rendering.view import CameraView
 from oodscen_pybullet._types import F32

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._lighting.shadows import Shade
 from oodscen_pybullet._lighting.shelter import Portal, Shelter

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from oodscen.data._details import Details
     from oodscen.data._episode import Episode
     from oodscen.data._scenario import Scenario
-    from oodscen.data._scene import Scene, Weather
+    from oodscen.data._scene import Scene
+    from oodscen.data._weather import Weather
     from oodscen.study._study import Study
 
 _WIDEST = 80
@@ -260,7 +261,7 @@ def _detail(details: "Details", name: str) -> str:
 
 
 def _weather(weather: "Weather") -> str:
-    from oodscen.data._scene import CLEAR_AIR_M
+    from oodscen.data._weather import CLEAR_AIR_M
 
     parts = [f"sun at {weather.sun_elevation_deg:g} degrees"]
     if weather.fog_visual_range_m < CLEAR_AIR_M:

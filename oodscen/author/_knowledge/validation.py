@@ -8,7 +8,7 @@ from oodscen.author._knowledge.base import Clash, Driving, HazardKind, Knowledge
 from oodscen.author._knowledge.loading import file_of, gather, own_files
 from oodscen.author._writing.agreement import Agreement, PlaceAndTime
 from oodscen.data._catalogue import LANDMARKS
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen.errors import DataError, Issue
 from oodscen.prompts._tree.kind_labels import kind_fault
 from oodscen.tree._labels import same_words

@@ -6,7 +6,7 @@ from functools import cache
 
 from oodscen._words.text import stem
 from oodscen.author._reading.alternatives import DETERMINERS, NOUNS_LIKE_PARTICIPLES, PLACING
-from oodscen.data._scene import WeatherKind
+from oodscen.data._weather import WeatherKind
 
 WEATHER_WORDS: Mapping[WeatherKind, tuple[str, ...]] = {
     "rain": ("rain", "rainfall", "downpour", "rainstorm", "cloudburst"),

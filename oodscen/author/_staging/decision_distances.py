@@ -1,4 +1,4 @@
-"""Speed of the ego and distance of the decision, for a recipe on a kind of road."""
+"""Distances in which the ego can stop, brake calmly or swerve, and its approach to a hazard on a kind of road."""
 
 from dataclasses import dataclass
 

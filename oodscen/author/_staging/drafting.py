@@ -19,7 +19,7 @@ from oodscen.author._staging.background_traffic import (
     surrounding_traffic,
     tailgater,
 )
-from oodscen.author._staging.counterparts import moved_near, placed_counterpart
+from oodscen.author._staging.counterpart_placing import moved_near, placed_counterpart
 from oodscen.author._staging.decision import with_decision
 from oodscen.author._staging.decision_distances import suits_any_speed
 from oodscen.author._staging.lanes import with_ego_lane, with_variant

@@ -10,7 +10,8 @@ import numpy as np
 
 from oodscen.author._knowledge.base import Range, Recipe, RecipeActor
 from oodscen.claims._things import Thing
-from oodscen.data._scene import Actor, Trigger, Weather
+from oodscen.data._scene import Actor, Trigger
+from oodscen.data._weather import Weather
 from oodscen.driving._motion.behaviours.row import Course
 from oodscen.driving._motion.behaviours.table import BUILT_IN
 from oodscen.prompts._digest import AssetLine, CatalogueDigest, MapLine

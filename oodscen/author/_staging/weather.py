@@ -7,7 +7,7 @@ import numpy as np
 
 from oodscen.author._knowledge.base import Conditions, Knowledge, Range, Recipe
 from oodscen.author._staging.told import Told
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen.prompts._weather_line import WeatherLimits
 
 _DRY = {"precipitation": "none", "precipitation_mm_h": 0.0}

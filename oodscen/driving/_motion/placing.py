@@ -7,7 +7,8 @@ import numpy as np
 
 from oodscen._seeding import stream
 from oodscen.data._catalogue import BehaviourKind, Catalogue
-from oodscen.data._scene import DARK_DEG, Actor, Scene
+from oodscen.data._scene import Actor, Scene
+from oodscen.data._weather import DARK_DEG
 from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.behaviours.codes import IN_WORLD, Code
 from oodscen.driving._motion.behaviours.kernels import stand_in_world, stand_on_road

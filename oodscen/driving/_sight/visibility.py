@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple
 
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen.driving._roads.corridor import Corridor
 from oodscen.driving._sight.outlines import Outline, Pixel, area, clipped, hull
 from oodscen.driving._sight.weather import visual_range

@@ -3,7 +3,7 @@
 from typing import assert_never
 
 from oodscen.data._base import ROUNDING
-from oodscen.data._scene import CLEAR_AIR_M, FOG_M, Weather
+from oodscen.data._weather import CLEAR_AIR_M, FOG_M, Weather
 from oodscen.numerics._exact import power
 
 _LN_20 = 2.995732273553991

@@ -3,7 +3,7 @@
 import math
 import re
 
-from oodscen.data._scene import CLEAR_AIR_M, PRECIPITATIONS, Precipitation, Weather
+from oodscen.data._weather import CLEAR_AIR_M, PRECIPITATIONS, Precipitation, Weather
 from oodscen.interchange._reading.tree import Element
 from oodscen.interchange._writing.environment import OKTAS
 

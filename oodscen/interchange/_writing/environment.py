@@ -2,7 +2,7 @@
 
 import math
 
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen.interchange._writing.elements import Element, Value, child, within
 
 OKTAS = (

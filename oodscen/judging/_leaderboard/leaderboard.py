@@ -15,7 +15,7 @@ from oodscen.judging._leaderboard.board import Leaderboard
 from oodscen.judging._leaderboard.comparisons import comparisons
 from oodscen.judging._leaderboard.gains import with_gains
 from oodscen.judging._leaderboard.rows import ActionTally, LeaderboardRow, SceneGroup
-from oodscen.judging._leaderboard.standings import SharedValues, standing
+from oodscen.judging._leaderboard.scored_rows import SharedValues, standing
 from oodscen.judging._shortcuts.audit import Audit
 from oodscen.judging._shortcuts.rules import rule_calls, shortcut_verdicts
 from oodscen.statistics._answers import intraclass

@@ -9,7 +9,8 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator, model_valida
 from oodscen._display import Brief
 from oodscen.data._claim import Claim
 from oodscen.data._map_state import MapState
-from oodscen.data._scene import Actor, Ego, Hazard, Trigger, Weather
+from oodscen.data._scene import Actor, Ego, Hazard, Trigger
+from oodscen.data._weather import Weather
 from oodscen.errors import Issue
 from oodscen.prompts._base import Prompt, without_blanks
 from oodscen.prompts._digest import CatalogueDigest

@@ -9,7 +9,7 @@ from pydantic.json_schema import SkipJsonSchema
 from oodscen._display import Brief
 from oodscen._words.wording import is_left_out
 from oodscen.data._additions import Addition
-from oodscen.data._scene import WEATHER_KINDS
+from oodscen.data._weather import WEATHER_KINDS
 from oodscen.errors import Issue, close_matches
 from oodscen.prompts._base import Prompt, without_blanks
 from oodscen.prompts._digest import CatalogueDigest

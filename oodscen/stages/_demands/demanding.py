@@ -9,17 +9,8 @@ from oodscen._io.jpeg import to_jpeg
 from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._episode import Episode
 from oodscen.data._pairing import demand_id
-from oodscen.data._scene import (
-    DARK_DEG,
-    FOG_M,
-    Actor,
-    Demand,
-    Hazard,
-    Precipitation,
-    Scene,
-    Trigger,
-    Weather,
-)
+from oodscen.data._scene import Actor, Demand, Hazard, Scene, Trigger
+from oodscen.data._weather import DARK_DEG, FOG_M, Precipitation, Weather
 from oodscen.driving._base_simulator import render_checked
 from oodscen.driving._sight.placement import check_scene
 from oodscen.errors import DataError, Issue, SceneError

@@ -12,7 +12,8 @@ from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._designs.prop import Prop, check_prop
 from oodscen.data._detail_checks import check_details
 from oodscen.data._details import DetailKinds, Details, PoseKind
-from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger, Weather
+from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger
+from oodscen.data._weather import Weather
 from oodscen.driving._base_simulator import render_checked
 from oodscen.errors import SceneError
 from oodscen.protocols import Camera, Frame, Simulator

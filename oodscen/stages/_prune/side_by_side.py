@@ -10,7 +10,7 @@ from oodscen._arguments import checked
 from oodscen.data._base import Data
 from oodscen.data._catalogue import Catalogue
 from oodscen.data._category import Category
-from oodscen.data._scene import CLEAR_AIR_M, DUSK_DEG, PRECIPITATIONS
+from oodscen.data._weather import CLEAR_AIR_M, DUSK_DEG, PRECIPITATIONS
 from oodscen.errors import UsageError
 from oodscen.stages._prune.decisions import Match, PruneDecision, decisions_on_nodes
 from oodscen.stages._prune.restoration import Restoration, restoration

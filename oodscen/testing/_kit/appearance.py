@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from oodscen.data._catalogue import Asset, Catalogue
-from oodscen.data._scene import CLEAR_AIR_M, Scene, Weather
+from oodscen.data._scene import Scene
+from oodscen.data._weather import CLEAR_AIR_M, Weather
 from oodscen.driving._sight.outlines import area, clipped
 from oodscen.driving._sight.scene_checks import bodies
 from oodscen.driving._sight.visibility import Eye

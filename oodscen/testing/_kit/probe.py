@@ -9,7 +9,8 @@ import numpy as np
 
 from oodscen.data._catalogue import Asset, Catalogue, RoadMap
 from oodscen.data._category import Category
-from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger, Weather
+from oodscen.data._scene import Actor, Behaviour, Placement, Scene, Trigger
+from oodscen.data._weather import Weather
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._sight.placement import staging_issues
 from oodscen.driving._staged_scene import StagedScene

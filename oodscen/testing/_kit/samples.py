@@ -4,7 +4,8 @@ import math
 from collections.abc import Callable
 
 from oodscen.data._catalogue import Catalogue, RoadMap
-from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
+from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
+from oodscen.data._weather import Weather
 from oodscen.driving._checked_simulator import scene_copy
 from oodscen.protocols import Camera, Control, Frame, Observation, Simulator
 from oodscen.tree._labels import slug

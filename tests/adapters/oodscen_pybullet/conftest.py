@@ -5,7 +5,8 @@ from collections.abc import Callable, Iterator
 import pytest
 from oodscen_pybullet import PyBulletSimulator
 
-from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger, Weather
+from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
+from oodscen.data._weather import Weather
 from oodscen.protocols import Camera
 
 CAMERA = Camera(width=160, height=120)

@@ -10,7 +10,8 @@ from oodscen_pybullet._meshes import SMOKING
 
 from oodscen.data._catalogue import Asset, Catalogue
 from oodscen.data._details import Details
-from oodscen.data._scene import Actor, Scene, Weather
+from oodscen.data._scene import Actor, Scene
+from oodscen.data._weather import Weather
 from oodscen.driving._motion.boxes import Footprint, gap
 from oodscen.errors import SceneError, SpawnError
 from oodscen.protocols import Camera, Control, Frame

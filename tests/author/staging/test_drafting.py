@@ -10,7 +10,8 @@ from oodscen.author._knowledge.base import Knowledge
 from oodscen.author._realisation import realise
 from oodscen.author._writing.compose import Composer
 from oodscen.data._catalogue import Catalogue, WeatherRange
-from oodscen.data._scene import PRECIPITATIONS, Scene
+from oodscen.data._scene import Scene
+from oodscen.data._weather import PRECIPITATIONS
 from oodscen.driving._sight.placement import check_scene
 from oodscen.errors import LLMError
 from oodscen.prompts._digest import CatalogueDigest

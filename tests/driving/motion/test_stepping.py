@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from oodscen.data._scene import Behaviour, Scene, Trigger, Weather
+from oodscen.data._scene import Behaviour, Scene, Trigger
+from oodscen.data._weather import Weather
 from oodscen.driving._motion import placing
 from oodscen.driving._motion import world as world_module
 from oodscen.driving._motion.actions import Cruise

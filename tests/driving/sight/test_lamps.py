@@ -1,7 +1,8 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from oodscen.data._scene import Behaviour, Weather
+from oodscen.data._scene import Behaviour
+from oodscen.data._weather import Weather
 from oodscen.driving._sight.lamps import BRAKING, has_lamps_on, is_braking, waits_in_traffic
 from oodscen.testing import example_scene
 

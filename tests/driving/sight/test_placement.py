@@ -1,6 +1,7 @@
 import pytest
 
-from oodscen.data._scene import Hazard, Trigger, Weather
+from oodscen.data._scene import Hazard, Trigger
+from oodscen.data._weather import Weather
 from oodscen.driving._sight.placement import check_scene, staging_issues
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from tests.driving.staging import CATALOGUE, actor, scene

@@ -4,7 +4,8 @@ import dataclasses
 
 import pytest
 
-from oodscen.data._scene import Behaviour, Hazard, Trigger, Weather
+from oodscen.data._scene import Behaviour, Hazard, Trigger
+from oodscen.data._weather import Weather
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._sight.placement import check_scene
 from oodscen.driving._sight.scene_checks import (

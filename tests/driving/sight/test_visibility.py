@@ -8,7 +8,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._sight.visibility import LEAST_AREA_PX, Eye, UprightBox
 from oodscen.driving.maps._shipped import SHIPPED_MAPS

@@ -2,7 +2,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen.driving._sight.weather import is_noticeable, visual_range
 
 

@@ -10,7 +10,7 @@ from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._meshes.mesh import Lamp
 from oodscen_pybullet._rendering.view import CameraView
 
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen.protocols import Camera
 
 WIDTH, HEIGHT = 160, 120

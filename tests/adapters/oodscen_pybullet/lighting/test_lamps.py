@@ -7,7 +7,7 @@ from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._meshes.mesh import Lamp
 from oodscen_pybullet._rendering.view import CameraView
 
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen.protocols import Camera
 
 VIEW = CameraView.of(Camera(width=160, height=120), (0.0, 0.0, 0.0, 0.0))

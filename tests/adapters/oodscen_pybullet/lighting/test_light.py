@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from oodscen_pybullet._lighting.light import Light
 
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 
 
 @given(st.floats(-90, 90), st.floats(-90, 90))

@@ -16,7 +16,7 @@ from oodscen_pybullet._rendering.stage import RawPicture
 from oodscen_pybullet._rendering.triangles import GROUND
 from oodscen_pybullet._rendering.view import CameraView
 
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen.driving._sight.weather import extinction
 from oodscen.protocols import Camera
 from tests.adapters.oodscen_pybullet.shots import plain_shot

@@ -6,7 +6,7 @@ from oodscen_pybullet._rendering.particles import add_puffs, covered_pixels
 from oodscen_pybullet._rendering.stage import PlacedPuff, RawPicture
 from oodscen_pybullet._rendering.view import CameraView
 
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen.protocols import Camera
 from tests.adapters.oodscen_pybullet.shots import plain_shot
 

@@ -17,7 +17,7 @@ from oodscen_pybullet._rendering.stage import RawPicture, Shot
 from oodscen_pybullet._rendering.triangles import GROUND, PLAIN, SHELTERED, SHINING, SOFT
 from oodscen_pybullet._rendering.view import CameraView
 
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen.protocols import Camera
 from tests.adapters.oodscen_pybullet.shots import plain_shot
 

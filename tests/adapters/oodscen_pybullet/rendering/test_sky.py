@@ -8,7 +8,7 @@ from oodscen_pybullet._lighting.light import Light
 from oodscen_pybullet._rendering.sky import clear_sky
 from oodscen_pybullet._rendering.view import CameraView
 
-from oodscen.data._scene import Weather
+from oodscen.data._weather import Weather
 from oodscen.driving._sight.weather import extinction
 from oodscen.protocols import Camera
 

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from oodscen.data._scene import Actor, Trigger, Weather
+from oodscen.data._scene import Actor, Trigger
+from oodscen.data._weather import Weather
 from oodscen.driving import KinematicWorld
 from oodscen.driving._motion import columns as col
 from oodscen.driving._motion.actions import Cruise

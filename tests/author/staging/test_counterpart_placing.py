@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from oodscen.author._knowledge.base import Recipe
 from oodscen.author._knowledge.loading import load_knowledge
-from oodscen.author._staging.counterparts import moved_near, placed_counterpart
+from oodscen.author._staging.counterpart_placing import moved_near, placed_counterpart
 from oodscen.author._staging.layout import Cast, Layout
 from oodscen.author._writing.counterpart import Counterpart
 from oodscen.data._scene import Actor, Behaviour, Placement
