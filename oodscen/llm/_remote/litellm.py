@@ -13,14 +13,14 @@ from oodscen._display import Brief
 from oodscen._io.files import MAX_BYTES
 from oodscen._numbers import finite_number, seed_number, whole_number
 from oodscen._seeding import stream
-from oodscen._words.redaction import hide, redact, redact_keys, secrets_in, secrets_of
+from oodscen._words.redaction import hide, redact, secrets_in, secrets_of
 from oodscen.errors import ContentFiltered, LLMError, LLMTimeout, ResponseError, UsageError
-from oodscen.llm._check import shortened
 from oodscen.llm._remote.budget import Price, Spent
 from oodscen.llm._remote.call_bounds import CallBounds, apply_bounds
-from oodscen.llm._remote.failures import FailedAttempt, Filtered, NoAnswer, diagnose
+from oodscen.llm._remote.failures import FailedAttempt, Filtered, diagnose
 from oodscen.llm._remote.limits import LONGEST_S, Limits, check_seconds
 from oodscen.llm._remote.offline import SWITCH, is_loopback, is_offline
+from oodscen.llm._remote.responses import ResponseReader
 from oodscen.llm._remote.sdk import (
     JsonAbility,
     credential_settings,
@@ -29,9 +29,9 @@ from oodscen.llm._remote.sdk import (
     load_litellm,
     resolve_model,
 )
-from oodscen.llm._remote.usage import Charge, charge, count, estimate_tokens, plausible_usage
+from oodscen.llm._remote.usage import charge, estimate_tokens
 from oodscen.llm._remote.wire import provider_seed, wire_message
-from oodscen.protocols import Completion, InsteadOfText, Request, Usage
+from oodscen.protocols import Completion, Request, Usage
 
 NO_KEY = "none"
 """The key sent to a custom address if no key is set; such servers seldom require one."""
@@ -142,6 +142,8 @@ class LiteLLM(Brief):
             self.price = self.limits.prices.get(model) or known_price(sdk, self._model)
             """`None` where it is not known."""
         _check_priced(model, self.price, self.limits)
+        is_own_price = model in self.limits.prices
+        self._reader = ResponseReader(sdk, self._model, self.price, is_own_price)
         self._endpoint = self.limits.endpoint(redact(api_base) if api_base else provider)
         self._without_format: set[str] = set()
         """Purposes of the questions whose answer format the server refuses."""
@@ -190,12 +192,8 @@ class LiteLLM(Brief):
         if pause := self._endpoint.pause():
             self._sleep(min(pause, self.max_wait_s))
         while True:
-            if response_format is not None:
-                outcome = self._try(
-                    {**arguments, "response_format": response_format}, request, estimate, sent
-                )
-            else:
-                outcome = self._try(arguments, request, estimate, sent)
+            form = {} if response_format is None else {"response_format": response_format}
+            outcome = self._try({**arguments, **form}, request, estimate, sent)
             if isinstance(outcome, Completion):
                 if is_refused:
                     self._without_format.add(purpose)
@@ -236,7 +234,7 @@ class LiteLLM(Brief):
             try:
                 with apply_bounds(bounds):
                     response = self._sdk.completion(**arguments)
-                completion, used = self._completion(response, request, estimate)
+                completion, used = self._reader.completion(response, request, estimate)
                 answer_tokens = completion.usage.output_tokens
             # Servers send anything, and litellm passes on whatever its parsing of it raised.
             except Exception as error:
@@ -289,56 +287,6 @@ class LiteLLM(Brief):
         output_tokens = self._arguments["max_tokens"] or self.limits.budget.answer_tokens
         return Usage(input_tokens=estimate_tokens(request), output_tokens=output_tokens)
 
-    def _completion(
-        self, response: Any, request: Request, estimate: Usage
-    ) -> tuple[Completion, Spent]:
-        if not response.choices:
-            raise NoAnswer("the response holds no answer: its list of choices is empty")
-        choice = response.choices[0]
-        ending = getattr(choice, "finish_reason", "")
-        # litellm takes an ending that it does not know for "stop", and keeps what OpenAI's fields lack apart.
-        native_ending = _native_fields(choice).get("native_finish_reason")
-        refusal = _native_fields(choice.message).get("refusal")
-        text = choice.message.content or (refusal if isinstance(refusal, str) else "")
-        instead = None if text.strip() else _in_place_of_text(choice.message)
-        charged = self._charge(response, request, text or instead or "", estimate)
-        if ending == "content_filter":
-            raise Filtered("the answer was withheld or cut", charged)
-        completion = shortened(
-            Completion(
-                text=text.encode("utf-8", "replace").decode(),
-                usage=charged.usage,
-                is_cut_off=ending == "length" or str(native_ending).casefold() in _CUT_OFF,
-                instead=instead,
-            )
-        )
-        text = redact_keys(completion.text)
-        return completion.model_copy(update={"text": text}), charged.spent
-
-    def _charge(self, response: Any, request: Request, text: str, estimate: Usage) -> Charge:
-        """Return the usage that a response states, and its cost."""
-        stated = getattr(response, "usage", None)
-        details = getattr(stated, "prompt_tokens_details", None)
-        usage = Usage(
-            input_tokens=count(getattr(stated, "prompt_tokens", None)),
-            output_tokens=count(getattr(stated, "completion_tokens", None)),
-            cached_tokens=count(getattr(details, "cached_tokens", None)),
-        )
-        known = plausible_usage(usage, request)
-        # litellm takes tokens that are not stated for none.
-        if known.input_tokens and known.output_tokens and self.name not in self.limits.prices:
-            # Not validated: litellm's cost may be any number.
-            usage = usage.model_copy(update={"cost_usd": self._known_cost(response)})
-        return charge(usage, request, text, estimate, self.price)
-
-    def _known_cost(self, response: Any) -> float | None:
-        """Return the cost that litellm knows, with the discount on cached tokens."""
-        try:
-            return float(self._sdk.completion_cost(completion_response=response, model=self._model))
-        # litellm raises a bare Exception for a model without a price.
-        except Exception:
-            return None
-
     def _response_format(self, request: Request) -> dict[str, Any] | None:
         """Return the answer format to ask for; `None` if the model has none or has refused it."""
         if request.prompt.purpose in self._without_format:
@@ -381,24 +329,6 @@ def _responds(url: str, timeout_s: float) -> bool:
     from oodscen.llm._remote.transport import responds
 
     return responds(url, timeout_s)
-
-
-_CUT_OFF = frozenset(
-    "length max_tokens max_output_tokens model_length error abort aborted cancelled canceled timeout".split()
-)
-"""Servers' own words for an answer that did not come to its end."""
-
-
-def _in_place_of_text(message: Any) -> InsteadOfText | None:
-    if getattr(message, "tool_calls", None) or getattr(message, "function_call", None):
-        return "a tool call"
-    return "reasoning" if getattr(message, "reasoning_content", None) else None
-
-
-def _native_fields(part: Any) -> Mapping[str, Any]:
-    """Return the fields of a response's part that litellm keeps as its server wrote them."""
-    fields = getattr(part, "provider_specific_fields", None)
-    return fields if isinstance(fields, Mapping) else {}
 
 
 def _check_address(api_base: str) -> None:
