@@ -8,7 +8,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from oodscen._abilities import Rehearses, Snapshots
-from oodscen._numbers import said
+from oodscen._numbers import finite_number, said
 from oodscen.data._episode import ActionOutcome
 from oodscen.data._reactions import LONGEST_REACTION_S
 from oodscen.data._scene import Scene, StopLine
@@ -41,13 +41,13 @@ class Trials(NamedTuple):
         """Return the drivers with these reaction times, s.
 
         Raises:
-            UsageError: If there is none, or one is negative or longer than `LONGEST_REACTION_S`.
+            UsageError: If there is none, or one is no number from 0 to `LONGEST_REACTION_S`.
         """
-        ordered = sorted(set(reactions))
-        if not ordered or not all(0.0 <= time <= LONGEST_REACTION_S for time in ordered):
-            raise UsageError(
-                f"reaction: give one or more times from 0 to {LONGEST_REACTION_S:g} s, not {reactions!r}"
-            )
+        ordered = sorted(
+            {finite_number("reaction", time, 0.0, LONGEST_REACTION_S) for time in reactions}
+        )
+        if not ordered:
+            raise UsageError("reaction: give one or more times, in seconds")
         middle = ordered[(len(ordered) - 1) // 2]
         if collisions_only:
             return cls(middle, (), True)

@@ -149,7 +149,8 @@ def simulate(
         if action not in ACTIONS:
             raise UnknownComponent("action", str(action), ACTIONS)
     trials = Trials.of((0.0,) if protocol == "paper" else reaction, protocol == "paper")
-    if "last" not in in_order(moments):
+    moments = in_order(moments)  # A twin's are restored in turn; its actions begin at the last.
+    if "last" not in moments:
         raise UsageError("moments must have the moment of the decision, 'last', among them")
     if horizon is not None:
         seconds = finite_number("horizon", horizon, SHORTEST_HORIZON_S, LONGEST_HORIZON_S)

@@ -193,6 +193,18 @@ class _Slow(FlatSimulator):
     rehearse = None  # type: ignore[assignment]
 
 
+@pytest.mark.parametrize(
+    "scene", [example_scene(), example_scene().twin(2.0)], ids=["rare", "twin"]
+)
+def test_actions_begin_at_the_decision_in_whatever_order_the_moments_are_given(flat, scene):
+    options = {"camera": SMALL, "actions": ("stop",), "traces": True}
+    whole, turned = (
+        simulate(scene, flat, moments=moments, **options) for moments in (MOMENTS, MOMENTS[::-1])
+    )
+    assert turned.episode == whole.episode
+    assert turned.rollouts["stop"]["time"][0, 0] == whole.episode.decision_s
+
+
 def test_labels_are_those_of_all_drivers(flat):
     early, late = (
         simulate(example_scene(), flat, render=False, reaction=(one,)).episode for one in (0.2, 1.5)
@@ -272,7 +284,7 @@ def test_a_follower_farther_behind_than_gaps_are_measured_has_its_gap_along_the_
     assert 75.0 < episode.follower.gap_m < 90.0
 
 
-@pytest.mark.parametrize("reaction", [(), (-0.1,), (9.0,)])
+@pytest.mark.parametrize("reaction", [(), (-0.1,), (9.0,), (True,), (math.nan,)])
 def test_reaction_times_are_checked(flat, reaction):
     with pytest.raises(UsageError):
         simulate(example_scene(), flat, render=False, reaction=reaction)
