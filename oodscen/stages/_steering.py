@@ -42,7 +42,7 @@ class Steering:
             if self._wants_frames:
                 frame = render_checked(self._simulator, self._camera, len(state.ids))
                 observation = replace(observation, frame=frame)
-        if self._looking:
+        if self._looking is not None:
             self._looking.look(state)
         control = self._driver.act(observation)
         if not isinstance(control, Control) or not control.is_finite:

@@ -194,6 +194,20 @@ def test_a_driver_may_ask_for_frames(simulator):
     assert set(seen) == {(10, 20, 3)}
 
 
+def test_a_driver_of_no_length_looks_as_well(simulator):
+    seen = []
+
+    class Looks(Cruise):
+        def __len__(self):
+            return 0
+
+        def look(self, state):
+            seen.append(state.step)
+
+    drive([example_scene()], Looks, simulator, twins=False)
+    assert seen[:3] == [0, 1, 2]
+
+
 @pytest.mark.parametrize("scenes", [5, "ab", [5], None, example_scene()])
 def test_what_are_no_scenes_is_refused(simulator, scenes):
     with pytest.raises(UsageError, match="scene"):
