@@ -171,7 +171,7 @@ class LeanData(Data):
 
 
 class Choices(Data):
-    """Value of a caller's choices: where no yes or no is asked for, `True` is refused and does not count as 1."""
+    """Value of a caller's choices: where no yes or no is asked for, also in a list, `True` is refused and is not 1."""
 
     noun: ClassVar[str] = Data.noun
 
@@ -179,7 +179,10 @@ class Choices(Data):
     @classmethod
     def _counts_no_truth_value(cls, value: object, info: ValidationInfo) -> object:
         kind = cls.model_fields[info.field_name or ""].annotation
-        return value if bool in (kind, *get_args(kind)) else no_truth_value(value)
+        if bool not in (kind, *get_args(kind)):
+            for item in value if isinstance(value, list | tuple) else (value,):
+                no_truth_value(item)
+        return value
 
 
 def _is_empty(value: object) -> bool:

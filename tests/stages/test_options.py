@@ -52,6 +52,7 @@ def test_an_option_that_does_not_exist_is_named(maker):
         (RedTeamer, "nearest_label", -3),
         (RedTeamer, "rarity", (1e6, 1e5)),
         (RedTeamer, "rarity", (0.0, 1e5)),
+        (RedTeamer, "rarity", (True, 1e5)),
         (Describer, "batch", 0),
         (Describer, "per_path", 0),
         (Describer, "per_path", 10**12),
@@ -62,6 +63,7 @@ def test_an_option_that_does_not_exist_is_named(maker):
         (Describer, "nearest", 93),
         (Describer, "band", (0.9, 0.1)),
         (Describer, "band", (0.5, math.nan)),
+        (Describer, "band", [False, 0.5]),
     ],
 )
 def test_a_value_that_is_not_allowed_is_refused_with_its_name(maker, name, value):
