@@ -155,6 +155,9 @@ class MetricsReport(Data):
             caption="; ".join(filter(None, (self._compared, self._filtered))),
         )
 
+    def __contains__(self, key: object) -> bool:
+        return key in type(self).model_fields
+
     def keys(self) -> Iterator[str]:
         """Return the names of the fields."""
         return iter(type(self).model_fields)

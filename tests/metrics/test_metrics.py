@@ -155,6 +155,8 @@ def test_a_report_round_trips_and_reads_like_a_mapping():
     assert MetricsReport.parse(report.to_json()) == report
     plain = json.loads(report.to_json())
     assert dict(report) == plain
+    assert all(name in report for name in plain)
+    assert "nothing" not in report
     assert plain["oodness"]["mean"] == report.oodness.mean
     assert (plain["n"], plain["N"], plain["encoder"]) == (6, 2, "directions")
     assert {label: group["n"] for label, group in plain["groups"].items()} == {
