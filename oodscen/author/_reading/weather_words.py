@@ -9,14 +9,14 @@ from oodscen.author._reading.alternatives import DETERMINERS, NOUNS_LIKE_PARTICI
 from oodscen.data._weather import WeatherKind
 
 WEATHER_WORDS: Mapping[WeatherKind, tuple[str, ...]] = {
-    "rain": ("rain", "rainfall", "downpour", "rainstorm", "cloudburst"),
-    "snow": ("snow", "snowfall", "snowstorm", "blizzard"),
-    "fog": ("fog", "mist", "foggy"),
+    "rain": ("rain", "rainfall", "downpour", "rainstorm", "cloudburst", "rainy"),
+    "snow": ("snow", "snowfall", "snowstorm", "blizzard", "snowy"),
+    "fog": ("fog", "mist", "foggy", "misty"),
     "ice": ("ice", "icy"),
 }
 _DARKNESS = tuple("night,nighttime,night-time,nightfall,midnight,darkness,the dark,dark".split(","))
 _NAMES: Mapping[WeatherKind, tuple[str, ...]] = {**WEATHER_WORDS, "night": _DARKNESS}
-_ADJECTIVES = {"foggy", "icy", "dark"}
+_ADJECTIVES = {"rainy", "snowy", "foggy", "misty", "icy", "dark"}
 _SUBSTANCES = {"ice"}
 """Nouns for what a thing lies in rather than the weather around it."""
 
@@ -35,15 +35,16 @@ _END = rf"\s*$|\s+[^\w\s]|[^\w\s'\u2019-]|\s+(?:{'|'.join(sorted(_NEXT))})\b"
 """The end of a noun phrase."""
 _ACT = rf"[\s-](?!(?:{'|'.join(sorted(NOUNS_LIKE_PARTICIPLES))})\b)\w{{3,}}(?:ing|ed)\b"
 """A participle after a noun: `fog crossing the road` is not a kind of fog, as `fog lamp` is not fog."""
+_WORD = rf"(?!(?:{'|'.join(sorted(_BREAK))})\s)[\w-]+\s+"
+"""A word of a noun phrase, and the space behind it."""
 _CIRCUMSTANCE = re.compile(
-    r"\b(?:at|in|during|under|by|amid)\s+"
-    rf"(?:(?!(?:{'|'.join(sorted(_BREAK))})\s)[\w-]+\s+){{0,3}}?"
+    rf"\b(?:at|in|during|under|by|amid|on(?=\s+(?:{_WORD}){{1,3}}night\b))\s+(?:{_WORD}){{0,3}}?"
     rf"(?P<names>(?:(?:{_ANY})\s+(?:of\s+)?)*"
     rf"(?:(?:{_ANY})(?={_HEAD}|{_END})|(?:{_NOUN})(?={_ACT})|(?<=at )night\b))"
     rf"(?:{_HEAD})?",
     re.IGNORECASE,
 )
-"""A preposition and a noun phrase about weather: not `in a dark coat` or `by a snow plough`."""
+"""A preposition and a noun phrase about weather: not `in a dark coat` or `by a snow plough`; after `on`, of a night."""
 _NAME = re.compile(
     "|".join(rf"\b(?P<{kind}>{'|'.join(words)})\b" for kind, words in _NAMES.items()), re.IGNORECASE
 )

@@ -15,7 +15,7 @@ NOUNS = {
     word: kind
     for kind, words in WEATHER_WORDS.items()
     for word in words
-    if word not in ("ice", "icy", "foggy")
+    if word not in ("ice", "icy", "foggy", "misty", "rainy", "snowy")
 } | dict.fromkeys(
     ("night", "nighttime", "night-time", "nightfall", "darkness", "the dark"), "night"
 )
@@ -36,7 +36,13 @@ def test_every_noun_for_weather_is_read(noun, preposition, modifiers, rest):
     [
         ("Deer in night rain", ("night", "rain"), "Deer"),
         ("Deer in foggy weather", ("fog",), "Deer"),
+        ("Deer in misty weather", ("fog",), "Deer"),
         ("Moose in icy conditions", ("ice",), "Moose"),
+        ("Moose in snowy conditions", ("snow",), "Moose"),
+        ("Moose during a rainy night", ("rain", "night"), "Moose"),
+        ("Moose on a dark night", ("night",), "Moose"),
+        ("Moose on a very foggy night", ("fog", "night"), "Moose"),
+        ("Moose on snow at night", ("night",), "Moose on snow"),
         ("Moose in icy and wet conditions", ("ice",), "Moose and wet conditions"),
         ("Car in a snow storm ahead", ("snow",), "Car ahead"),
         ("Cow in the dark of night", ("night",), "Cow"),
@@ -56,7 +62,9 @@ def test_phrases_about_weather_are_read_and_taken_out(label, kinds, rest):
     "label",
     [
         "Deer by a dark van",
+        "Deer on a snowy bank",
         "Man in a dark coat",
+        "Man on a night train",
         "Pedestrian in dark clothing on the road",
         "Pedestrian by a snow plough",
         "Man with ice cream",
