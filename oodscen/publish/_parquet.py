@@ -107,7 +107,7 @@ def _questions(drives: Sequence[PublishedDrive]) -> list[dict[str, Any]]:
 
 def _drive(drive: PublishedDrive, demands: dict[str, Scene]) -> dict[str, Any]:
     asked, episode = drive.asked, drive.asked.episode
-    scene = demands.get(episode.scene_id, asked.scene)
+    scene = _scene(drive, demands)
     labels = {name: episode.label(name) for name in as_offered(episode.actions)}
     return {
         "drive": drive.name,
@@ -128,6 +128,16 @@ def _drive(drive: PublishedDrive, demands: dict[str, Scene]) -> dict[str, Any]:
         "scene": scene.to_json() if scene else "",
         "episode": canonical_json(episode.model_dump(mode="json")),
     }
+
+
+def _scene(drive: PublishedDrive, demands: dict[str, Scene]) -> Scene | None:
+    """Return the scene that was driven, which for an ordinary drive is not the one that it belongs to."""
+    scene, episode = drive.asked.scene, drive.asked.episode
+    if drive.kind == "demand":
+        return demands.get(episode.scene_id)
+    if drive.kind == "twin" and scene is not None and episode.decision_s is not None:
+        return scene.twin(episode.decision_s)
+    return scene
 
 
 def _text(drive: PublishedDrive, scene: Scene | None) -> str:

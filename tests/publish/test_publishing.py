@@ -24,6 +24,7 @@ from hypothesis import strategies as st
 
 from oodscen import Study, evaluate
 from oodscen._io.lock import locked
+from oodscen.data._scene import Hazard, Scene
 from oodscen.errors import DataError, FolderTaken, InUse, StudyError, UsageError
 from oodscen.judging import leaderboard
 from oodscen.publish import score_answers
@@ -72,6 +73,14 @@ def test_every_drive_has_three_questions_with_its_own_pictures(study, data):
         sorted(purposes) == ["choose-action", "choose-aspect", "name-aspect"]
         for purposes in found.values()
     )
+
+
+def test_every_drive_has_the_scene_that_was_driven(data):
+    for row in rows(data, "drives"):
+        scene = Scene.parse(row["scene"])
+        assert scene.id == row["item"]
+        assert scene.map == row["map"]
+        assert row["kind"] == "rare" or scene.hazard == Hazard()
 
 
 def test_no_kind_and_no_pair_is_in_two_splits(data):
