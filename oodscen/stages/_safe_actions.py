@@ -104,17 +104,14 @@ class Rollouts:
         trace = Trace.from_states([first, *states], self.course)
         ran_red = self._ran_red([first, *states])
         outcome = judge_outcome(states, trace, self.trials.collisions_only, ran_red=ran_red)
-        fates = {outcome.safe}
         for variation in self.trials.other_variations(action, outcome.safe):
-            if len(fates) > 1:
-                break
             if self.rehearse is None and variation != Variation(variation.reaction_s):
                 continue
             passes, is_same_again = self._passes(action, variation)
             is_same &= is_same_again
-            fates.add(passes)
-        if len(fates) > 1:
-            outcome = outcome.model_copy(update={"safe": False, "marginal": True})
+            if passes != outcome.safe:
+                outcome = outcome.model_copy(update={"safe": False, "marginal": True})
+                break
         return outcome, trace, is_same
 
     def _passes(self, action: str, variation: Variation) -> tuple[bool, bool]:
@@ -128,9 +125,8 @@ class Rollouts:
                 )
             return bool(passes), is_same
         states = self._execute(action, variation.reaction_s, self.simulator.observe())
-        last = states[-1]
-        stays_clear = not last.contacts and (self.trials.collisions_only or not last.off_road)
-        return stays_clear and not self._ran_red([first, *states]), is_same
+        has_failed = _has_failed(states[-1], self.trials.collisions_only)
+        return not (has_failed or self._ran_red([first, *states])), is_same
 
     def _ran_red(self, states: Sequence[State]) -> bool:
         """Return whether the ego passes the stop line while the light is red."""
@@ -143,7 +139,7 @@ class Rollouts:
         for _ in range(max(1, round(self.scene.horizon_s / simulator.dt))):
             state = simulator.step(driver.act(observation))
             states.append(state)
-            if state.contacts or (state.off_road and not self.trials.collisions_only):
+            if _has_failed(state, self.trials.collisions_only):
                 break
             observation = simulator.observe()
         return states
@@ -155,6 +151,11 @@ class Rollouts:
         states = [self.simulator.reset(self.scene, self.seed)]
         states += [self.simulator.step(control) for control in self.controls]
         return states[-1], fingerprint(states) == self.trace
+
+
+def _has_failed(state: State, collisions_only: bool) -> bool:
+    """Return whether the ego touches something or, if that counts, is off the road."""
+    return bool(state.contacts) or (state.off_road and not collisions_only)
 
 
 def runs_red(states: Sequence[State], line: StopLine, course: Course) -> bool:
@@ -181,7 +182,7 @@ def judge_outcome(
         encounter.pet_s for encounter in encounters if encounter.pet_s is not None
     ]
     return ActionOutcome(
-        safe=not last.contacts and (collisions_only or not last.off_road) and not ran_red,
+        safe=not (_has_failed(last, collisions_only) or ran_red),
         margin_m=None if math.isinf(margin) else _millimetres(margin),
         min_ttc_s=min(times_to_collision_s, default=None),
         pet_s=min(encroachment_times_s, default=None),
