@@ -211,12 +211,13 @@ def peak_jerk(trace: Trace) -> float | None:
     Differences are taken over `JERK_S`, since within one step every change looks infinite; `None` for shorter
     traces.
     """
-    time = trace["time"][:, 0]
-    along = trace["acceleration"][1:, 0]
-    steps = max(1, round(JERK_S / float(time[1] - time[0]))) if len(time) > 1 else 1
-    if len(along) <= steps:
+    time, along = trace["time"][1:, 0], trace["acceleration"][1:, 0]
+    if len(time) < 2:
         return None
-    changes = np.abs(along[steps:] - along[:-steps]) / (time[steps] - time[0])
+    steps = max(1, round(JERK_S / float(np.median(np.diff(time)))))
+    if len(time) <= steps:
+        return None
+    changes = np.abs(along[steps:] - along[:-steps]) / (time[steps:] - time[:-steps])
     return round(float(changes.max()), 3)
 
 
