@@ -98,7 +98,7 @@ class MetricsReport(Data):
         return f"texts of the band {bounds}; below it: {self.band.below}, above: {self.band.above}"
 
     @property
-    def _main(self) -> list[tuple[str, float | None, Interval | None]]:
+    def _paper_figures(self) -> list[tuple[str, float | None, Interval | None]]:
         """The names, values and intervals of the paper's figures."""
         oodness, diversity = self.oodness, self.diversity
         return [
@@ -112,7 +112,10 @@ class MetricsReport(Data):
             self._compared,
             *([self._filtered] if self.band else []),
             *([str(self.rarity)] if self.rarity else []),
-            *(f"{name:21}  {_figure(value, interval)}" for name, value, interval in self._main),
+            *(
+                f"{name:21}  {_figure(value, interval)}"
+                for name, value, interval in self._paper_figures
+            ),
         ]
         if self.calibration is not None:
             lines.append(
@@ -130,7 +133,7 @@ class MetricsReport(Data):
 
     def _repr_html_(self) -> str:
         """Return the figures with their intervals as a table for notebooks."""
-        rows = self._main
+        rows = self._paper_figures
         if self.rarity is not None:
             rows.insert(0, ("rarity, median of log10 km", self.rarity.median, self.rarity.interval))
         if self.control is not None:

@@ -70,7 +70,17 @@ class Trials(NamedTuple):
 
 
 class Rollouts:
-    """Executes actions from one decision point, by snapshot or by replaying the approach."""
+    """Executes actions from one decision point, by snapshot or by replaying the approach.
+
+    Args:
+        simulator: The simulator, at the decision.
+        scene: The scene that it runs.
+        seed: Seed of its random streams.
+        controls: The controls of the approach.
+        digest: Fingerprint of the approach's states.
+        course: The scene's road and bodies.
+        trials: The drivers who try every action.
+    """
 
     def __init__(
         self,
@@ -78,7 +88,7 @@ class Rollouts:
         scene: Scene,
         seed: int,
         controls: Sequence[Control],
-        trace: str,
+        digest: str,
         course: Course,
         trials: Trials,
     ) -> None:
@@ -86,7 +96,7 @@ class Rollouts:
         self.scene = scene
         self.seed = seed
         self.controls = controls
-        self.trace = trace
+        self.digest = digest
         self.course = course
         self.trials = trials
         self.line = None if trials.collisions_only else scene.stop_line
@@ -150,7 +160,7 @@ class Rollouts:
             return self.restore(self.snapshot), True
         states = [self.simulator.reset(self.scene, self.seed)]
         states += [self.simulator.step(control) for control in self.controls]
-        return states[-1], fingerprint(states) == self.trace
+        return states[-1], fingerprint(states) == self.digest
 
 
 def _has_failed(state: State, collisions_only: bool) -> bool:

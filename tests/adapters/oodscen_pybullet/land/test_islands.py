@@ -49,7 +49,8 @@ def test_the_circle_of_an_island_is_the_largest_that_its_land_holds():
     assert radius == pytest.approx(20.0, abs=0.5)
 
 
-def test_without_corners_there_are_no_islands():
-    islands = Islands.of(Ring(20.0), np.zeros((0, 2)))
+@pytest.mark.parametrize("corners", [np.zeros((0, 2)), np.array([[0.0, 0.0], [400.0, 400.0]])])
+def test_without_corners_or_with_too_much_land_between_them_there_are_no_islands(corners):
+    islands = Islands.of(Ring(20.0), corners)
     assert islands.circles == ()
     assert not islands.covers(np.zeros((1, 2))).any()
