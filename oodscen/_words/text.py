@@ -30,7 +30,10 @@ def whole(text: str) -> str:
 
 def clean_surrogates(text: str) -> str:
     """Replace lone surrogates, escaped or not."""
-    return _ESCAPE.sub(lambda match: "\\ufffd" if match[1] else match[0], whole(text))
+    joined = whole(text)
+    if "\\" not in joined:
+        return joined
+    return _ESCAPE.sub(lambda match: "\\ufffd" if match[1] else match[0], joined)
 
 
 _ESCAPE = re.compile(
