@@ -145,6 +145,8 @@ def _is_number(kind: Any) -> bool:
 
 def _fits(value: Any, kind: Any) -> bool:
     """Return whether a value is of a kind, or the kind cannot be told."""
+    if type(value) is kind:
+        return True  # As nearly all elements of lists are, without a look into the annotation.
     return any(_is_of(value, alternative) for alternative in _alternatives(kind))
 
 

@@ -33,13 +33,7 @@ def parse_json(text: str | bytes) -> Any:
         raise ValueError(f"character {half.start()} is a lone surrogate")
     # `json` nests as deep as the interpreter can; `from_json` has a limit but allows duplicate keys.
     from_json(text, allow_inf_nan=False)
-    return json.loads(
-        text,
-        object_pairs_hook=_distinct,
-        parse_float=_float,
-        parse_int=_int,
-        parse_constant=_refused,
-    )
+    return _DECODER.decode(text)
 
 
 def parse_object(text: str | bytes) -> dict[str, Any]:
@@ -110,3 +104,8 @@ def _int(text: str) -> int:
 def _refused(text: str) -> None:
     shown = text if len(text) <= 20 else f"{text[:20]} ..."
     raise ValueError(f"{shown} is not a readable number")
+
+
+_DECODER = json.JSONDecoder(
+    object_pairs_hook=_distinct, parse_float=_float, parse_int=_int, parse_constant=_refused
+)

@@ -54,18 +54,28 @@ def tidy(text: str) -> str:
     """
     text = unicodedata.normalize("NFKC", clean_surrogates(text))
     text = _INVISIBLE.sub("", text).replace("\\_", "_")
-    text = _BOXED.sub(r" answer: \1 ", text)
-    text = _ELEMENT.sub(r"\n\1: \2\n", text)
-    text = re.sub(r"[\u2018\u2019\u02bc]", "'", text)
-    text = re.sub(r"[*`\"\u201c\u201d]", " ", text)
-    text = re.sub(r"(?<!\w)'|'(?!\w)", " ", text)
-    text = re.sub(r"\s*\n\s*", "\n", re.sub(r"[^\S\n]+", " ", text)).strip()
-    return re.sub(r"(?m)^#{1,6} ([^\n:]*):?(?=\n)", r"\1:", text)
+    # What most texts lack is looked for before patterns that try every place.
+    if "\\boxed" in text:
+        text = _BOXED.sub(r" answer: \1 ", text)
+    text = _ELEMENT.sub(r"\n\1: \2\n", text).translate(_QUOTES)
+    if "'" in text:
+        text = _OUTER_APOSTROPHE.sub(" ", text)
+    text = _BLANKS.sub(" ", text)
+    if "\n" in text:
+        text = _LINE_END.sub("\n", text)
+    text = text.strip()
+    return _HEADING.sub(r"\1:", text) if "#" in text else text
 
 
 _INVISIBLE = re.compile(
     "[\u200b-\u200f\u2060\ufeff\u00ad\ufe0f\ue000-\uf8ff\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ufffd]"
 )
+_QUOTES = str.maketrans('\u2018\u2019\u02bc*`"\u201c\u201d', "'''     ")
+"""Typographic apostrophes as plain ones; quotes and marks of emphasis as blanks."""
+_OUTER_APOSTROPHE = re.compile(r"(?<!\w)'|'(?!\w)")
+_BLANKS = re.compile(r"[^\S\n]+")
+_LINE_END = re.compile(r"\s*\n\s*")
+_HEADING = re.compile(r"(?m)^#{1,6} ([^\n:]*):?(?=\n)")
 _BOXED = re.compile(r"\${0,2}\\boxed\s?\{(?:\\text\{)?([^{}\n]{0,200})\}{1,2}\${0,2}")
 _ELEMENT = re.compile(r"<(\w{1,30})>([^<]{1,2000})</\1>")
 

@@ -30,7 +30,10 @@ def whole(text: str) -> str:
 
 def clean_surrogates(text: str) -> str:
     """Replace lone surrogates, escaped or not."""
-    return _ESCAPE.sub(lambda match: "\\ufffd" if match[1] else match[0], whole(text))
+    joined = whole(text)
+    if "\\" not in joined:
+        return joined
+    return _ESCAPE.sub(lambda match: "\\ufffd" if match[1] else match[0], joined)
 
 
 _ESCAPE = re.compile(
@@ -66,7 +69,12 @@ def without_possessives(text: str) -> str:
 def folded_words(text: str) -> str:
     """Return a text without case and punctuation, for comparisons; spellings of one accent are equal."""
     plain = unicodedata.normalize("NFC", text.casefold())
+    if plain.isascii():
+        return one_line(_BETWEEN_WORDS.sub(" ", plain))
     return one_line("".join(char if _is_in_a_word(char) else " " for char in plain))
+
+
+_BETWEEN_WORDS = re.compile(r"[^a-z0-9]+")
 
 
 def _is_in_a_word(char: str) -> bool:

@@ -2,7 +2,7 @@
 
 import re
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, NamedTuple
@@ -220,9 +220,25 @@ def _index() -> tuple[re.Pattern[str], dict[str, tuple[Thing, bool, str]]]:
         is_plural = thing.plural or singular in _PLURAL
         by_form.setdefault(singular, (thing, is_plural, word))
         by_form.setdefault(plural_of(singular), (thing, True, word))
-    forms = sorted(by_form, key=lambda form: (-len(form), form))
-    joined = "|".join(re.escape(form).replace(r"\ ", r"[\s-]+") for form in forms)
-    return re.compile(rf"(?<![\w-])(?:{joined})(?![\w-])", re.IGNORECASE), by_form
+    return re.compile(rf"(?<![\w-]){_any_of(by_form)}(?![\w-])", re.IGNORECASE), by_form
+
+
+def _any_of(forms: Iterable[str]) -> str:
+    """Return a pattern of forms, of which the longest is tried first.
+
+    It branches by letters: an alternation of a thousand whole forms is tried one by one at every place.
+    """
+    tails: dict[str, list[str]] = {}
+    for form in sorted(forms):
+        tails.setdefault(form[:1], []).append(form[1:])
+    is_whole = tails.pop("", None) is not None
+    branches = [
+        (r"[\s-]+" if letter == " " else re.escape(letter)) + _any_of(rest)
+        for letter, rest in tails.items()
+    ]
+    if not branches:
+        return ""
+    return f"(?:{'|'.join(branches)}){'?' if is_whole else ''}"
 
 
 def _form(name: str) -> str:

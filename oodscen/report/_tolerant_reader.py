@@ -149,7 +149,11 @@ def make_printable(value: Any) -> Any:
     Credentials in URLs are removed too.
     """
     if isinstance(value, str):
+        if value.isprintable() and "@" not in value:  # Nearly all are: the patterns find nothing.
+            return value
         return _CREDENTIALS.sub(r"\1", _UNPRINTABLE.sub("\ufffd", value))
+    if isinstance(value, int | float):  # Numbers take longer to be told from mappings.
+        return value
     if isinstance(value, Mapping):
         return {make_printable(str(key)): make_printable(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

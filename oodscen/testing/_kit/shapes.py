@@ -65,11 +65,10 @@ def state_faults(scene: Scene, state: State, step: int, dt: float) -> Iterator[s
 
 def _array_fault(array: object, shape: tuple[int, ...], dtype: type[np.generic]) -> str:
     """Return how an array differs from a shape and type, or an empty string."""
-    expected = f"{np.dtype(dtype)} {shape}"
     if not isinstance(array, np.ndarray):
-        return f"a {type(array).__name__}, not {expected}"
+        return f"a {type(array).__name__}, not {np.dtype(dtype)} {shape}"
     if array.shape != shape or array.dtype != dtype:
-        return f"{array.dtype} {array.shape}, not {expected}"
+        return f"{array.dtype} {array.shape}, not {np.dtype(dtype)} {shape}"
     return ""
 
 

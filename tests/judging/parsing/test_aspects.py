@@ -291,7 +291,8 @@ def test_an_ordinary_scene_does_not_go_with_yes(rest: str) -> None:
     ],
 )
 def test_long_answers_are_read_at_once(part: str) -> None:
-    for said in (part * 5_000, f"Yes, {part * 5_000}", f"Aspect: {part * 5_000}"):
+    long = (part * 5_000)[:50_000]
+    for said in (long, f"Yes, {long}", f"Aspect: {long}"):
         read_aspect(said)
         read_named_aspect(said)
         names_nothing(said)

@@ -91,8 +91,8 @@ def test_every_face_has_a_semantic_class(road: RoadMap) -> None:
 
 def test_scenery_depends_on_the_seed_alone() -> None:
     road = SHIPPED_MAPS[1]
-    corridor = load_corridor(road)
-    one, two, other = (build_scenery(corridor, road, seed) for seed in (0, 0, 1))
+    corridor, one = built(road)
+    two, other = (build_scenery(corridor, road, seed) for seed in (0, 1))
     for a, b in zip(one.meshes, two.meshes, strict=True):
         assert np.array_equal(a.vertices, b.vertices)
         assert np.array_equal(a.uvs, b.uvs)
@@ -102,8 +102,8 @@ def test_scenery_depends_on_the_seed_alone() -> None:
 
 def test_windows_and_street_lamps_are_lit_at_night() -> None:
     road = SHIPPED_MAPS[1]
-    corridor = load_corridor(road)
-    day, night = (build_scenery(corridor, road, 0, is_night=dark) for dark in (False, True))
+    corridor, day = built(road)
+    night = build_scenery(corridor, road, 0, is_night=True)
     assert len(night.meshes[2].triangles) > len(day.meshes[2].triangles)
     assert not any(lamp.is_street for lamp in day.lamps)
     assert any(lamp.is_street for lamp in night.lamps)

@@ -8,9 +8,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from oodscen_pybullet._land.ground import Ground
+from oodscen_pybullet._land.terrain import Terrain
+from oodscen_pybullet._land.theme import theme_of
 from oodscen_pybullet._meshes import asset_mesh
+from oodscen_pybullet._scenery.placing import Site
 from oodscen_pybullet._scenery.roadside import Scenery, build_scenery
-from oodscen_pybullet._scenery.signals import displace
+from oodscen_pybullet._scenery.signals import displace, stand_signals
 
 from oodscen.data._map_state import MapState
 from oodscen.driving._roads.building import load_corridor
@@ -72,10 +76,12 @@ def test_a_signal_over_a_lane_hangs_at_its_height(more, fault: str) -> None:
     x, y, z, *_ = corridor.point(s, 0.0)
     over = replace(corridor.signals[0], x=x, y=y, z=z, s=s, t=0.0, height=5.0, **more)
     state = MapState.model_validate({"signs" if more else "signals": fault}) if fault else None
-    scenery = build_scenery(replace(corridor, signals=(over,)), JUNCTION, 0, state=state)
-    corners = scenery.meshes[2].vertices
+    ground, rng = Ground(replace(corridor, signals=(over,))), np.random.default_rng(0)
+    site = Site(ground, Terrain(ground, theme_of(JUNCTION, corridor), rng), rng, state)
+    lamps = stand_signals(site, frozenset(), is_dark_phase=False)
+    corners = site.mesh().vertices
     is_near = np.hypot(corners[:, 0] - x, corners[:, 1] - y) < 1.5
     lifts = corners[is_near, 2] - z
     assert lifts.min() == pytest.approx(5.0, abs=0.3)
     assert lifts.max() < 7.0
-    assert all(lamp.position[2] > z + 5.0 for lamp in scenery.lamps if not lamp.is_street)
+    assert all(lamp.position[2] > z + 5.0 for lamp in lamps)
