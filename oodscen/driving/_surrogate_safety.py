@@ -89,7 +89,7 @@ def _axes(a: Footprints, b: Footprints) -> Iterator[tuple[Floats, Floats, Floats
         yield -one.sin, one.cos, across
 
 
-def post_encroachment(ego: Footprints, others: Footprints, dt: float) -> Floats:
+def post_encroachment(ego: Footprints, others: Footprints, time: Floats) -> Floats:
     """Return every actor's post-encroachment time relative to the ego, s, accurate to one step.
 
     The conflict area is the ground that both footprints sweep. At each place in it, the time is that
@@ -100,7 +100,7 @@ def post_encroachment(ego: Footprints, others: Footprints, dt: float) -> Floats:
     Args:
         ego: The ego's footprints, arrays [steps].
         others: The actors' footprints, arrays [steps, actors].
-        dt: Seconds per step.
+        time: Time of each step, [steps], s.
     """
     steps, count = others.x.shape
     times = np.full(count, np.inf)
@@ -116,7 +116,7 @@ def post_encroachment(ego: Footprints, others: Footprints, dt: float) -> Floats:
         row, actor_step, actor = np.nonzero(dx * dx + dy * dy <= reach * reach)
         ego_step = first + row
         shares_ground = overlap(ego.at(ego_step), others.at(actor_step, actor))
-        apart = np.abs(ego_step - actor_step)[shares_ground] * dt
+        apart = np.abs(time[ego_step] - time[actor_step])[shares_ground]
         np.minimum.at(times, actor[shares_ground], apart)
     return times
 

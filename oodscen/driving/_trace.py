@@ -171,10 +171,8 @@ class Trace(Brief):
         footprints = Footprints(
             columns["x"], columns["y"], cos, sin, 0.5 * columns["length"], 0.5 * columns["width"]
         )
-        time = columns["time"][:, 0]
-        dt = float(time[1] - time[0]) if len(time) > 1 else 0.0
         others = footprints.at(_ALL, slice(1, None))
-        pet = post_encroachment(footprints.at(_ALL, 0), others, dt)
+        pet = post_encroachment(footprints.at(_ALL, 0), others, columns["time"][:, 0])
         # An actor that is driven over, through or under shares the ego's ground without a conflict.
         pet[overlap(footprints.at(_ALL, slice(0, 1)), others).any(axis=0)] = np.inf
         pet[columns["contact"][:, 1:].any(axis=0)] = 0.0

@@ -135,7 +135,7 @@ def test_post_encroachment_is_the_time_between_leaving_and_arriving():
     times = np.arange(0.0, 10.0, 0.1)
     ego = row(10.0 * times - 50.0, 0.0 * times)
     crossing = row(0.0 * times, 10.0 * times - 30.0, heading=math.pi / 2)
-    met = post_encroachment(ego, Footprints(*(c[:, None] for c in crossing)), 0.1)
+    met = post_encroachment(ego, Footprints(*(c[:, None] for c in crossing)), times)
     # The actor's rear leaves the ego's path at y = 3, t = 3.3 s; the ego's front arrives at 4.7 s.
     assert met[0] == pytest.approx(4.7 - 3.3, abs=0.11)
 
@@ -145,9 +145,9 @@ def test_paths_without_common_ground_have_no_post_encroachment_time():
     ego = row(10.0 * times, 0.0 * times)
     beside = row(10.0 * times, 0.0 * times + 3.5)
     both = Footprints(*(np.stack([c, c], axis=1) for c in beside))
-    assert np.isinf(post_encroachment(ego, both, 0.1)).all()
+    assert np.isinf(post_encroachment(ego, both, times)).all()
     alone = Footprints(*(c[:, None][:, :0] for c in beside))
-    assert post_encroachment(ego, alone, 0.1).shape == (0,)
+    assert post_encroachment(ego, alone, times).shape == (0,)
 
 
 MOVES = st.floats(-3, 3)
@@ -159,9 +159,12 @@ MOVES = st.floats(-3, 3)
         st.lists(st.tuples(MOVES, MOVES, angle), min_size=5, max_size=5), min_size=1, max_size=3
     ),
     st.lists(st.floats(0.1, 3), min_size=8, max_size=8),
-    st.sampled_from([0.1, 0.5]),
+    st.lists(st.sampled_from([0.05, 0.1, 0.5]), min_size=5, max_size=5),
 )
-def test_post_encroachment_is_the_least_over_all_pairs_of_steps(path, paths, sizes, dt):
+def test_post_encroachment_is_the_least_over_all_pairs_of_steps(path, paths, sizes, steps):
+    """The steps of a recording may be uneven."""
+    time = np.cumsum(steps)
+
     def boxes(number, places):
         length, width = sizes[2 * number : 2 * number + 2]
         return [Footprint(x, y, yaw, length, width) for x, y, yaw in places]
@@ -171,10 +174,10 @@ def test_post_encroachment_is_the_least_over_all_pairs_of_steps(path, paths, siz
     theirs = Footprints(
         *(np.array([[prints(box)[i][0] for box in track] for track in others]).T for i in range(6))
     )
-    found = post_encroachment(mine, theirs, dt)
+    found = post_encroachment(mine, theirs, time[: len(path)])
     for value, track in zip(found, others, strict=True):
         times = [
-            abs(i - j) * dt
+            abs(time[i] - time[j])
             for i, one in enumerate(ego)
             for j, other in enumerate(track)
             if overlap(prints(one), prints(other))[0]
@@ -187,7 +190,7 @@ def test_post_encroachment_of_many_bodies_over_many_steps_takes_little_memory():
     ego = row(np.where(step < 500, 0.0, 100.0), 0.0)
     others = row(np.where(step[:, None] < 600 + actor, -100.0, 0.0), 0.0)
     tracemalloc.start()
-    found = post_encroachment(ego, others, 0.5)
+    found = post_encroachment(ego, others, 0.5 * step)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert found.tolist() == [0.5 * (101 + number) for number in actor]
@@ -198,13 +201,13 @@ def test_post_encroachment_of_many_bodies_over_many_steps_takes_little_memory():
 def test_corners_that_touch_share_ground_and_bodies_far_apart_none(scale):
     # Boxes of 8 by 6 have corners exactly 5 from their centres, so no rounding decides.
     size = {"length": 8.0 * scale, "width": 6.0 * scale}
-    ego = row([0.0, 0.0], 0.0, **size)
+    ego, steps = row([0.0, 0.0], 0.0, **size), np.array([0.0, 0.5])
     for x, time in ((8.0, 0.0), (80.0, math.inf)):
         other = row([[100.0], [x * scale]], 6.0 * scale, **size)
-        assert post_encroachment(ego, other, 0.5) == [time]
+        assert post_encroachment(ego, other, steps) == [time]
     early = row([[8.0 * scale], [100.0]], 6.0 * scale, **size)
-    assert post_encroachment(ego._replace(x=np.array([100.0, 0.0])), early, 0.5) == [0.5]
-    assert post_encroachment(ego.at(slice(0)), early.at(slice(0)), 0.5) == [math.inf]
+    assert post_encroachment(ego._replace(x=np.array([100.0, 0.0])), early, steps) == [0.5]
+    assert post_encroachment(ego.at(slice(0)), early.at(slice(0)), steps[:0]) == [math.inf]
 
 
 def test_headway_counts_only_what_is_ahead_in_the_path():
