@@ -84,12 +84,15 @@ def _kinds_by_map(
     kinds: Sequence[AspectOption], leaves: Mapping[str, str], maps: Mapping[str, str]
 ) -> dict[str, list[AspectOption]]:
     """Return the kinds that the scenes of every map show, from the leaf and the map of every scene."""
-    by_map: dict[str, list[AspectOption]] = {}
+    holding: dict[str, list[AspectOption]] = {}
+    for kind in kinds:
+        for leaf in dict.fromkeys((kind.id, *kind.leaves)):
+            holding.setdefault(leaf, []).append(kind)
+    by_map: dict[str, dict[str, AspectOption]] = {}
     for scene_id, map_name in sorted(maps.items()):
-        shown = by_map.setdefault(map_name, [])
-        leaf = leaves.get(scene_id, "")
-        shown += [kind for kind in kinds if kind not in shown and kind.holds(leaf)]
-    return by_map
+        shown = by_map.setdefault(map_name, {})
+        shown.update((kind.id, kind) for kind in holding.get(leaves.get(scene_id, ""), ()))
+    return {map_name: list(shown.values()) for map_name, shown in by_map.items()}
 
 
 def _list_numbers(parts: Sequence[Sequence[AspectOption]]) -> dict[str, int]:
