@@ -96,8 +96,7 @@ def redact_keys(text: str, known: Iterable[str] = ()) -> str:
     as hexadecimal digits and as a list of numbers, decimal or octal. Values shorter than `SHORTEST` characters are kept,
     and so are shorter pieces of a value beside an ellipsis; longer ones are replaced.
     """
-    values = _known(known)
-    if not values:
+    if len(text) < SHORTEST or not (values := _known(known)):
         return text
     return _without_pieces(_any_of(values).sub(HIDDEN, text), values)
 
