@@ -556,6 +556,8 @@ def test_a_model_shows_neither_its_key_nor_the_password_in_its_address() -> None
         ("ALL_PROXY", "socks5h://127.0.0.1:9"),
         ("ALL_PROXY", "garbage:::/"),
         ("HTTPS_PROXY", "http://[::1"),
+        *(("HTTPS_PROXY", f"http://127.0.0.1:{port}") for port in (-1, 0, 65_536, 99_999)),
+        ("HTTP_PROXY", "127.0.0.1:70000"),
         ("SSL_CERT_FILE", "/nowhere/certificates.pem"),
     ],
 )
