@@ -11,6 +11,7 @@ from importlib.metadata import EntryPoint, EntryPoints
 from typing import Any, cast
 
 from oodscen._members import is_interruption, missing_methods, reason
+from oodscen._words.redaction import redact_keys
 from oodscen.errors import OodscenError, UnknownComponent, UsageError
 
 KINDS = {
@@ -93,7 +94,7 @@ def load_factory(kind: str, name: str) -> Callable[..., Any]:
         UnknownComponent: With close matches.
         UsageError: If the component exists but cannot be imported or called.
     """
-    refuse_long(kind, name)
+    refuse_unusable(kind, name)
     registered = _registered(kind)
     if name in registered:
         point, *others = registered[name]
@@ -152,10 +153,22 @@ def is_reference(name: str) -> bool:
         return True  # The module exists, but a package around it fails: importing it will show how.
 
 
-def refuse_long(kind: str, name: str) -> None:
-    """Raise an error for an endless name, which would take long to compare with the known ones."""
+def refuse_unusable(kind: str, name: str) -> None:
+    """Raise an error for a name that `name_fault` objects to."""
+    if fault := name_fault(kind, name):
+        raise UsageError(fault)
+
+
+def name_fault(kind: str, name: str) -> str:
+    """Return why nothing may have a name, or "": an endless one takes long to compare, and a key would be kept."""
     if len(name) > _LONGEST:
-        raise UsageError(f"no {kind} has a name of {len(name):,} characters: {name[:40]!r} ...")
+        return f"no {kind} has a name of {len(name):,} characters: {name[:40]!r} ..."
+    if kind in ("llm", "encoder") and (redacted := redact_keys(name)) != name:
+        return (
+            f"the name of the {kind}, {redacted!r}, holds a key that the environment holds too, and would be kept in "
+            "files; give a model's name here, and the key in the environment alone"
+        )
+    return ""
 
 
 def survey() -> list[dict[str, str]]:

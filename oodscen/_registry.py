@@ -16,7 +16,7 @@ from oodscen._entry_points import (
     names,
     no_module,
     reads_as_reference,
-    refuse_long,
+    refuse_unusable,
 )
 from oodscen._members import as_catalogue, conforming, is_interruption, reason, using, working
 from oodscen._numbers import seed_number
@@ -211,7 +211,7 @@ def _capped(llm: LLM, limits: "Limits", label: str) -> LLM:
 def _named_llm(
     llm: str, seed: int, api_base: str | None, limits: "Limits | None", settings: Mapping[str, Any]
 ) -> LLM:
-    refuse_long("llm", llm)
+    refuse_unusable("llm", llm)
     if not llm.strip():
         raise UsageError("the name of a model is empty")
     if not llm.isprintable():
@@ -243,6 +243,7 @@ def _create(kind: str, name: str, **settings: Any) -> Any:
 
     The text after the colon becomes the first argument, or the one that the factory's `argument` attribute names.
     """
+    refuse_unusable(kind, name)
     head, colon, argument = name.partition(":")
     arguments = (argument,) if colon and head in names(kind) else ()
     if arguments and not argument:

@@ -337,3 +337,19 @@ def test_a_driver_that_cannot_be_is_refused(name, settings, match):
 def test_nothing_after_a_colon_is_refused(make, name):
     with pytest.raises(UsageError, match="nothing after its colon"):
         make(name)
+
+
+@pytest.mark.parametrize("name", ["{}", "openai/{}", "replay:{}.jsonl", "constant:{}", "{}:Model"])
+@pytest.mark.parametrize("make", [make_llm, make_encoder])
+def test_a_name_that_holds_a_key_is_refused_without_the_key(monkeypatch, make, name):
+    key = "kEy_13chars"
+    monkeypatch.setenv("OPENAI_API_KEY", key)
+    with pytest.raises(UsageError, match="holds a key") as refused:
+        make(name.format(key))
+    assert key not in str(refused.value)
+
+
+def test_a_model_that_an_encoder_loads_has_no_name_that_holds_a_key(monkeypatch):
+    monkeypatch.setenv("HF_TOKEN", "kEy_13chars")
+    with pytest.raises(UsageError, match="holds a key"):
+        make_encoder("sentence-transformers:kEy_13chars")

@@ -1,6 +1,7 @@
 """Removes credentials from everything that is shown or written."""
 
 import base64
+import json
 import os
 import re
 from collections.abc import Callable, Iterable, Mapping
@@ -57,10 +58,12 @@ _SOFT_BREAK = rf"(?:={_BREAK}{{1,2}})?"
 """A line break that quoted-printable text adds."""
 _QUOTE = rf"(?:(?:{_SLASHES})?[\"'])?"
 """A quotation mark, also escaped, or nothing."""
-_BETWEEN = rf"(?:{_QUOTE}(?:[\s,;:._-]{{1,3}}{_QUOTE})?(?:0x|{_SLASHES}x|U\+|00)?)"
+_BETWEEN = rf"(?:{_QUOTE}(?:(?:[,;:._-]|{_BREAK}){{1,3}}{_QUOTE})?(?:0x|{_SLASHES}x|U\+|00)?)"
 """The characters between two bytes in hexadecimal digits."""
 _ELLIPSIS = re.compile(
-    rf"(\s?[\[('\"]{{0,2}}(?:\.{{3,}}|…|\*{{3,}}|{_SLASHES}u2026|&(?:amp;)?(?:hellip|\#8230|\#x2026);)[\])'\"]{{0,2}}\s?)",
+    rf"(\s?(?:[\[(]|(?:{_SLASHES})?['\"]){{0,2}}"
+    rf"(?:\.{{3,}}|…|\*{{3,}}|{_SLASHES}u2026|&(?:amp;)?(?:hellip|\#8230|\#x2026);)"
+    rf"(?:[\])]|(?:{_SLASHES})?['\"]){{0,2}}\s?)",
     re.IGNORECASE,
 )
 """A mark that something is left out, with the blanks, brackets and quotes around it."""
@@ -96,8 +99,7 @@ def redact_keys(text: str, known: Iterable[str] = ()) -> str:
     as hexadecimal digits and as a list of numbers, decimal or octal. Values shorter than `SHORTEST` characters are kept,
     and so are shorter pieces of a value beside an ellipsis; longer ones are replaced.
     """
-    values = _known(known)
-    if not values:
+    if len(text) < SHORTEST or not (values := _known(known)):
         return text
     return _without_pieces(_any_of(values).sub(HIDDEN, text), values)
 
@@ -168,6 +170,8 @@ def secrets_of(address: str) -> list[str]:
 def _without_pieces(text: str, values: frozenset[str]) -> str:
     """Replace the pieces of values that end or begin at an ellipsis, as in `'Ab3dEf6hIj9k...Rs8tUv2w'`."""
     parts = _ELLIPSIS.split(text)
+    if len(parts) > 1:  # JSON escapes the quotes in a value.
+        values |= {json.dumps(value, ensure_ascii=False)[1:-1] for value in values}
     for index in range(0, len(parts), 2):
         if index + 1 < len(parts) and (end := _longest(values, parts[index], is_end=True)):
             parts[index] = parts[index][:-end] + HIDDEN

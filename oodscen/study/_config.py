@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, ModelWrapValidatorHandler, model_validator
 
 from oodscen import _paper as paper
-from oodscen._entry_points import DEFAULT_LLM, is_builtin, names
+from oodscen._entry_points import DEFAULT_LLM, is_builtin, name_fault, names
 from oodscen._registry import DEFAULT_CATALOGUES, DEFAULT_ENCODER, DEFAULT_SIMULATOR
 from oodscen._seeding import MAX_SEED
 from oodscen._words.redaction import redact
@@ -155,6 +155,12 @@ class StudyConfig(Choices):
             raise ValueError(
                 "recogniser: it must be another model than the one that designs the props, and one that reads pictures"
             )
+        named = [
+            ("llm", name) for name in (*self.models, *self.asked, *self.withheld, *self.servers)
+        ]
+        for kind, name in (*named, ("encoder", self.encoder)):
+            if fault := name_fault(kind, name):
+                raise ValueError(fault)
         for address in filter(None, (self.api_base, *self.servers.values())):
             if redact(address) != address:
                 raise ValueError(

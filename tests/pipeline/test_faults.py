@@ -355,6 +355,11 @@ def test_the_command_line_says_how_to_give_a_price(tmp_path, quiet):
         ["--vlm", ""],
         ["--vlm", "no_such_module:Model"],
         ["--judge", "no-such-model"],
+        *([option, KEY] for option in ("--llm", "--red-llm", "--fallback", "--judge")),
+        ["--vlm", KEY, "--api-base", "http://127.0.0.1:1/v1"],
+        ["--made", "--recogniser", KEY],
+        ["--rarity-llm", f"openai/{KEY}"],
+        ["--encoder", KEY],
         ["--llm", "m", "--api-base", ""],
         ["--llm", "m", "--api-base", "file:///etc/passwd"],
         ["--vlm", "m", "--api-base", "127.0.0.1:8000/v1"],
@@ -372,6 +377,7 @@ def test_a_dry_run_refuses_what_a_run_refuses(tmp_path, words):
         result = call("run", tmp_path / "out", *quick, *words, *more)
         assert (result.exit_code, result.output.count("oodscen: ")) == (2, 1)
         assert "_StandIn" not in result.output
+        assert KEY not in result.output
     assert not (tmp_path / "out").exists()
 
 

@@ -66,6 +66,24 @@ def test_no_key_gets_into_a_study_by_an_address(field):
     assert "planted" not in str(caught.value)
 
 
+NAMED = ("llm", "red_llm", "fallback", "vlms", "judge", "rarity_llm", "recogniser", "encoder")
+
+
+@pytest.mark.parametrize("field", NAMED)
+@pytest.mark.parametrize("name", ["{}", "openai/{}:latest", "replay:/home/me/{}/answers.jsonl"])
+def test_no_key_gets_into_a_study_as_a_name(monkeypatch, field, name):
+    key = "kEy-13chars!"
+    name = name.format(key)
+    value = [name] if field == "vlms" else name
+    assert StudyConfig.parse({field: value})
+    monkeypatch.setenv("OPENAI_API_KEY", key)
+    with pytest.raises(DataError) as caught:
+        StudyConfig.parse({field: value})
+    assert "holds a key" in str(caught.value)
+    assert key not in str(caught.value)
+    assert StudyConfig.parse({field: ["gpt-4o"] if field == "vlms" else "gpt-4o"})
+
+
 def test_the_built_in_author_is_no_judge():
     with pytest.raises(DataError, match="judges no answers"):
         StudyConfig.parse({"judge": "builtin"})

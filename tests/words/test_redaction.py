@@ -253,10 +253,12 @@ def spaced(data, width):
         str([oct(byte) for byte in data]).replace("'", ""),
         " ".join(f"{byte:03o}" for byte in data),
     )
-    yield "\n".join(data.hex()[at : at + width] for at in range(0, 2 * len(data), width))
-    lines = base64.b64encode(data).decode()
-    lines = "\n".join(lines[at : at + width] for at in range(0, len(lines), width))
-    yield from (lines, json.dumps(lines)[1:-1], quote(lines, safe=""))
+    for whole, mark in itertools.product(
+        (data.hex(), base64.b64encode(data).decode()), ("\n", "\r\n")
+    ):
+        lines = mark.join(whole[at : at + width] for at in range(0, len(whole), width))
+        yield from (lines, json.dumps(lines)[1:-1], json.dumps(json.dumps(lines)))
+        yield quote(lines, safe="")
 
 
 @pytest.mark.parametrize(
@@ -320,6 +322,20 @@ def test_what_a_shortened_message_leaves_of_a_key_is_hidden(key, before, after):
     ):
         shown = redact_keys(text, [key])
         assert redact_keys(shown, [key]) == shown
+        for at in range(len(key) - SHORTEST + 1):
+            assert key[at : at + SHORTEST] not in shown
+
+
+@settings(max_examples=30)
+@given(
+    st.text("abcABC01\"\\\n'\u00e9", min_size=20, max_size=40),
+    st.integers(SHORTEST, 12),
+    st.sampled_from(["...", " … ", "***"]),
+)
+def test_the_pieces_of_a_key_that_json_escapes_are_hidden(key, size, mark):
+    key = f"{key[:size]}-{key[size:]}"
+    for text in (f"{key[: size + 1]}{mark} and so on", f"it is {mark}{key[size:]}"):
+        shown = json.loads(redact_keys(json.dumps(text, ensure_ascii=False), [key]))
         for at in range(len(key) - SHORTEST + 1):
             assert key[at : at + SHORTEST] not in shown
 

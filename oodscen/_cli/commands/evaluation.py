@@ -235,6 +235,7 @@ class _Evaluation:
         if self.required is not None and not self.has_questions:
             # A model's questions would have the changed scenes run again.
             refuse_stale(study, study.episodes, study.scenes)
+        self.configuration(study.config)
         if settings := {name: getattr(self, name) for name in self.chosen}:
             config, verdicts, _ = without_models(study, self.dropped)
             refuse_changed_settings(config, config.model_copy(update=settings), verdicts)

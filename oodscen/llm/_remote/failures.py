@@ -33,9 +33,6 @@ _MAX_QUOTED = 100
 _MAX_RAW = 4_000
 """Maximum number of characters of an unusable response that are kept."""
 
-_MAX_WAIT_S = 366 * 86_400.0
-"""Longest wait that a server can mean, in seconds."""
-
 _TRANSIENT: frozenset[Kind] = frozenset({"limit", "late", "unreachable", "erring"})
 """Kinds of failures after which a later attempt may succeed."""
 
@@ -276,4 +273,4 @@ def _seconds(value: Any, unit: float) -> float | None:
             seconds = max(0.0, (moment - datetime.now(UTC)).total_seconds())
         except (AttributeError, TypeError, ValueError, OverflowError):
             return None
-    return seconds if 0.0 <= seconds <= _MAX_WAIT_S else None
+    return seconds if seconds >= 0.0 else None

@@ -189,8 +189,8 @@ class LiteLLM(Brief):
         response_format = self._response_format(request)
         is_refused = False
         retries = 0
-        if pause := self._endpoint.pause():
-            self._sleep(min(pause, self.max_wait_s))
+        if pause := self._endpoint.pause(self.max_wait_s):
+            self._sleep(pause)
         while True:
             form = {} if response_format is None else {"response_format": response_format}
             outcome = self._try({**arguments, **form}, request, estimate, sent)
@@ -266,9 +266,8 @@ class LiteLLM(Brief):
         wait_s = failure.retry_after
         if not failure.retryable or wait_s is None or wait_s <= self.max_wait_s:
             return failure
-        reason = (
-            f"the server asked to wait {wait_s:.0f} s, more than max_wait_s {self.max_wait_s:g}"
-        )
+        asked = f"{round(wait_s, 0):.12g} s"
+        reason = f"the server asked to wait {asked}, more than max_wait_s {self.max_wait_s:g}"
         return replace(failure, message=f"{failure.message}; {reason}")
 
     def _error(self, failure: FailedAttempt) -> LLMError:

@@ -75,6 +75,7 @@ class Endpoint:
         self._silent_since: float | None = None
         self._narrowed_at = -1.0
         self._not_before = 0.0
+        self._refused_at = 0.0
         self._down: dict[str | None, EndpointDown] = {}
         """The models that are given up, and with the key `None` the server."""
         self._slot_free = threading.Condition()
@@ -115,10 +116,15 @@ class Endpoint:
         failed_calls = self._failed_calls.get(model, Counter())
         return self.leniency > 1 and failed_calls.total() >= self.strikes
 
-    def pause(self) -> float:
-        """Return the seconds to wait before the next request, as the server demanded."""
+    def pause(self, longest_s: float = math.inf) -> float:
+        """Return the seconds to wait before the next request, as the server demanded.
+
+        Args:
+            longest_s: Longest wait after the last refusal, in seconds.
+        """
         with self._slot_free:
-            return max(0.0, self._not_before - self._clock())
+            ends = min(self._not_before, self._refused_at + longest_s)
+            return max(0.0, ends - self._clock())
 
     def is_alive(
         self, url: str, probe: Callable[[str, float], bool], within_s: float = math.inf
@@ -189,7 +195,8 @@ class Endpoint:
 
     def _narrow(self, wait_s: float, begun: float) -> None:
         """Halve the window, once for all requests that were under way, and wait as the server demands."""
-        self._not_before = max(self._not_before, self._clock() + wait_s)
+        self._refused_at = self._clock()
+        self._not_before = max(self._not_before, self._refused_at + wait_s)
         if begun > self._narrowed_at:
             self.window = max(1.0, self.window / 2.0)
             self._narrowed_at = self._clock()

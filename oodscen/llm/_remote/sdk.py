@@ -102,7 +102,9 @@ def _check_environment(settings: tuple[tuple[str, str], ...]) -> None:
     except ImportError:
         return  # litellm brings it, and is missing as well.
     try:
-        httpx.Client().close()
+        with httpx.Client() as client:
+            for proxy in client._mounts.values():
+                _check_port(getattr(getattr(proxy, "_pool", None), "_proxy_url", None))
     except OSError as error:
         raise UsageError(
             f"the certificates that SSL_CERT_FILE or SSL_CERT_DIR names cannot be read: {reason(error)}"
@@ -112,6 +114,13 @@ def _check_environment(settings: tuple[tuple[str, str], ...]) -> None:
             f"a proxy that the environment names cannot be used: {reason(error)}; mend or unset HTTPS_PROXY, "
             "HTTP_PROXY, ALL_PROXY or NO_PROXY"
         ) from None
+
+
+def _check_port(url: Any) -> None:
+    """Refuse the address of a proxy whose port is none; httpx takes any number."""
+    port = getattr(url, "port", None)
+    if port is not None and not 1 <= port <= 65_535:
+        raise ValueError(f"{port} is no port, which is a number from 1 to 65535")
 
 
 def _quiet(record: logging.LogRecord) -> bool:

@@ -8,12 +8,12 @@ import ssl
 import threading
 import time
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from contextvars import copy_context
 from queue import Empty, SimpleQueue
 from types import ModuleType
-from typing import Any
+from typing import Any, TypeVar
 
 import httpcore
 import httpx
@@ -42,6 +42,8 @@ _LONGEST_ADDRESS = 300
 """Number of characters of a redirect's address that are shown."""
 
 _TOO_LONG = "the call took too long as a whole"
+
+Result = TypeVar("Result")
 
 
 def responds(url: str, timeout_s: float) -> bool:
@@ -215,18 +217,9 @@ class _Stream(httpcore.NetworkStream):
         bounds = active()
         if bounds is None:
             return self._inner.read(max_bytes, timeout)
-        while True:
-            left = bounds.seconds_left(timeout)
-            if left <= 0:
-                raise httpcore.ReadTimeout(_TOO_LONG)
-            try:
-                data = self._inner.read(max_bytes, min(left, bounds.pace_s))
-            except httpcore.ReadTimeout:
-                if left > bounds.pace_s and not bounds.keeps_waiting():
-                    raise
-            else:
-                bounds.note_received(len(data))
-                return data
+        data = _waited(bounds, timeout, lambda seconds: self._inner.read(max_bytes, seconds))
+        bounds.note_received(len(data))
+        return data
 
     def write(self, buffer: bytes, timeout: float | None = None) -> None:
         view = memoryview(buffer)
@@ -242,10 +235,39 @@ class _Stream(httpcore.NetworkStream):
         server_hostname: str | None = None,
         timeout: float | None = None,
     ) -> httpcore.NetworkStream:
-        return _Stream(self._inner.start_tls(ssl_context, server_hostname, _seconds_left(timeout)))
+        bounds = active()
+        context = ssl_context if bounds is None else _Handshake(ssl_context, bounds, timeout)
+        # httpcore only asks a context to wrap its socket.
+        return _Stream(self._inner.start_tls(context, server_hostname, timeout))  # type: ignore[arg-type]
 
     def get_extra_info(self, info: str) -> Any:
         return self._inner.get_extra_info(info)
+
+
+class _Handshake:
+    """A context for TLS whose handshakes end when a bound of the call is reached."""
+
+    def __init__(self, context: ssl.SSLContext, bounds: CallBounds, timeout: float | None) -> None:
+        self._context = context
+        self._bounds = bounds
+        self._timeout = timeout
+
+    def wrap_socket(self, sock: socket.socket, server_hostname: str | None) -> ssl.SSLSocket:
+        wrapped = self._context.wrap_socket(
+            sock, server_hostname=server_hostname, do_handshake_on_connect=False
+        )
+
+        def shake_hands(seconds: float) -> None:
+            wrapped.settimeout(seconds)
+            wrapped.do_handshake()
+
+        try:
+            _waited(self._bounds, self._timeout, shake_hands)
+        except BaseException:
+            wrapped.close()
+            raise
+        self._bounds.note_received(0)
+        return wrapped
 
 
 class _Backend(httpcore.NetworkBackend):
@@ -311,6 +333,28 @@ def _addresses(host: str, port: int, seconds: float) -> list[str]:
     if isinstance(result, Exception):
         raise httpcore.ConnectError(str(result)) from result
     return result
+
+
+def _waited(bounds: CallBounds, timeout: float | None, step: Callable[[float], Result]) -> Result:
+    """Return the result of a step that waits for the server, taken again while a silent server is waited for.
+
+    Args:
+        bounds: The bounds of the call.
+        timeout: Seconds that the step may take at most.
+        step: Takes the seconds until it is to raise a timeout.
+
+    Raises:
+        httpcore.ReadTimeout: If the time of the call is up.
+    """
+    while True:
+        left = bounds.seconds_left(timeout)
+        if left <= 0:
+            raise httpcore.ReadTimeout(_TOO_LONG)
+        try:
+            return step(min(left, bounds.pace_s))
+        except (TimeoutError, httpcore.TimeoutException):
+            if left > bounds.pace_s and not bounds.keeps_waiting():
+                raise
 
 
 def _seconds_left(timeout: float | None) -> float | None:

@@ -55,6 +55,22 @@ def test_items_that_failed_before_count_as_long_as_their_model_is_named(
     assert CliRunner().invoke(main, ["evaluate", str(out), "--vlm", "random"]).exit_code == 0
 
 
+@pytest.mark.parametrize("option", ["--vlm", "--judge"])
+def test_a_key_in_place_of_a_model_s_name_is_refused_before_a_model_is_taken_out(
+    small, tmp_path, monkeypatch, option
+) -> None:
+    monkeypatch.setenv("OPENAI_API_KEY", "kEy-13chars!")
+    out = shutil.copytree(small, tmp_path / "out")
+    assert CliRunner().invoke(main, ["evaluate", str(out), "--vlm", "random"]).exit_code == 0
+    before = {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
+    order = ["evaluate", str(out), "--drop", "random", option, "openai/kEy-13chars!"]
+    refused = CliRunner().invoke(main, order)
+    assert (refused.exit_code, refused.output.count("oodscen: ")) == (2, 1)
+    assert "holds a key" in refused.output
+    assert "kEy-13chars!" not in refused.output
+    assert {path: path.read_bytes() for path in out.rglob("*") if path.is_file()} == before
+
+
 def test_an_estimate_writes_nothing(small, tmp_path) -> None:
     out = shutil.copytree(small, tmp_path / "out")
     before = {path: path.stat().st_mtime_ns for path in (out, *out.rglob("*"))}

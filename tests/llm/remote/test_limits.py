@@ -162,6 +162,16 @@ def test_the_window_halves_once_per_wave_of_refusals_and_grows_with_answers():
     assert endpoint.window == 16.0
 
 
+def test_a_wait_beyond_the_longest_begins_with_the_refusal_and_not_with_every_call():
+    clock = Clock()
+    endpoint = Endpoint("e", clock=clock)
+    endpoint.note_failed_attempt(of_kind("limit", retry_after=math.inf), begun=0.0)
+    clock.now = 45.0
+    assert endpoint.pause(60.0) == 15.0
+    clock.now = 60.0
+    assert endpoint.pause(60.0) == 0.0
+
+
 def test_it_never_closes():
     clock = Clock()
     endpoint = Endpoint("e", concurrency=4, clock=clock)

@@ -3,6 +3,7 @@
 import json
 import os
 import pickle
+import re
 import sys
 import traceback
 from datetime import UTC, datetime, timedelta
@@ -37,6 +38,7 @@ from oodscen.prompts._judging.describe_frame import DescribeFrame
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import LLM, Completion, Request
 from oodscen.testing import AnsweringServer, ScriptedLLM
+from tests.llm.rogue import answering, talking
 
 KEY = "sk-test-planted-0123456789abcdef"
 QUESTION = ImagineScenario(shown=("A deer crosses.",))
@@ -302,13 +304,24 @@ def test_every_form_of_retry_after_is_understood():
 @pytest.mark.parametrize(
     "value",
     [
-        *("soon", "", "-1", "1.2.3", "inf", "nan", "9" * 400, "9" * 300),
+        *("soon", "", "-1", "-inf", "1.2.3", "nan"),
         "Thu, 01 Jan 2024 00:00:00 +99999999999999",
-        "Fri, 31 Dec 9999 23:59:59 GMT",
     ],
 )
 def test_a_time_to_wait_that_cannot_be_meant_is_none(header, value):
     assert seconds_to_wait(Answered(**{header: value})) is None
+
+
+@pytest.mark.parametrize(
+    "value", ["99999999", "1e23", "9" * 300, "9" * 400, "Fri, 31 Dec 9999 23:59:59 GMT"]
+)
+def test_a_time_to_wait_beyond_all_measure_fails_the_call_at_once(value):
+    rogue = answering("no", status="429 Too Many Requests", headers=f"retry-after: {value}\r\n")
+    waits = []
+    with talking(rogue) as server, pytest.raises(LLMError) as caught:
+        LiteLLM("m", api_base=server.address, sleep=waits.append).complete(request())
+    assert (waits, caught.value.requests, caught.value.retryable) == ([], 1, True)
+    assert re.search(r"asked to wait \S{3,14} s, more than max_wait_s 60$", str(caught.value))
 
 
 @pytest.mark.parametrize(
@@ -543,6 +556,8 @@ def test_a_model_shows_neither_its_key_nor_the_password_in_its_address() -> None
         ("ALL_PROXY", "socks5h://127.0.0.1:9"),
         ("ALL_PROXY", "garbage:::/"),
         ("HTTPS_PROXY", "http://[::1"),
+        *(("HTTPS_PROXY", f"http://127.0.0.1:{port}") for port in (-1, 0, 65_536, 99_999)),
+        ("HTTP_PROXY", "127.0.0.1:70000"),
         ("SSL_CERT_FILE", "/nowhere/certificates.pem"),
     ],
 )

@@ -4,17 +4,21 @@ import gzip
 import json
 import logging
 import socket
+import ssl
+import threading
 import time
 import tracemalloc
 import zlib
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
+import httpx
 import pytest
 
 from oodscen.errors import EndpointDown, LLMError, LLMTimeout, ResponseError, RunStopped
-from oodscen.llm._remote.call_bounds import CallBounds
+from oodscen.llm._remote.call_bounds import CallBounds, apply_bounds
 from oodscen.llm._remote.limits import Limits
 from oodscen.llm._remote.litellm import LiteLLM
+from oodscen.llm._remote.transport import guard
 from oodscen.prompts._tree.imagine_scenario import ImagineScenario
 from oodscen.protocols import Request
 from oodscen.testing import AnsweringServer, ScriptedLLM
@@ -124,18 +128,92 @@ def test_a_response_that_is_none_is_kept_for_reading(fault, raw):
 
 
 @contextmanager
-def silent():
+def silent(scheme="http"):
     """Accept connections and say nothing."""
     with socket.create_server(("127.0.0.1", 0), backlog=16) as server:
-        yield f"http://127.0.0.1:{server.getsockname()[1]}/v1"
+        yield f"{scheme}://127.0.0.1:{server.getsockname()[1]}/v1"
 
 
-def test_a_server_that_says_nothing_ends_the_run_long_before_the_timeout():
+@pytest.mark.parametrize("scheme", ["http", "https"])
+def test_a_server_that_says_nothing_ends_the_run_long_before_the_timeout(scheme):
     limits = Limits(patience_s=0.2)
-    with silent() as address:
-        llm = LiteLLM("m", api_base=address, timeout_s=600, limits=limits, sleep=lambda s: None)
+    with silent(scheme) as address:
+        llm = LiteLLM("m", api_base=address, timeout_s=20, limits=limits, sleep=lambda s: None)
         with pytest.raises(EndpointDown, match="says nothing"):
             llm.complete(REQUEST)
+
+
+def test_a_server_behind_a_proxy_that_says_nothing_ends_the_run_as_well(monkeypatch):
+    monkeypatch.setenv("OODSCEN_OFFLINE", "0")
+
+    def connecting(rogue, connection, head):
+        connection.sendall(b"HTTP/1.1 200 Connection established\r\n\r\n")
+        rogue.over.wait()
+
+    with talking(connecting) as proxy:
+        monkeypatch.setenv("https_proxy", f"http://127.0.0.1:{proxy.port}")
+        llm = LiteLLM(
+            "m",
+            api_base="https://model.invalid/v1",
+            timeout_s=20,
+            limits=Limits(patience_s=0.2),
+            sleep=lambda s: None,
+        )
+        with pytest.raises(EndpointDown, match="says nothing"):
+            llm.complete(REQUEST)
+    assert b"\r\n\r\nCONNECT model.invalid:443" in proxy.heard
+
+
+ANONYMOUS = "AECDH-AES128-SHA:@SECLEVEL=0"
+"""Encryption without a certificate."""
+
+
+def anonymous(protocol):
+    context = ssl.SSLContext(protocol)
+    context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
+    context.maximum_version = ssl.TLSVersion.TLSv1_2
+    context.set_ciphers(ANONYMOUS)
+    return context
+
+
+def asked_with_a_slow_handshake(answers):
+    """Ask a server that waits with its handshake for the last of `answers`, which looks for it find in turn."""
+    looks = list(answers)
+    hello = threading.Event()
+
+    def serve(listener):
+        connection, _ = listener.accept()
+        with connection, suppress(OSError):
+            hello.wait(5)
+            with anonymous(ssl.PROTOCOL_TLS_SERVER).wrap_socket(
+                connection, server_side=True
+            ) as tls:
+                tls.recv(65_536)
+                tls.sendall(b"HTTP/1.1 200 OK\r\ncontent-length: 0\r\n\r\n")
+
+    def is_alive(url, seconds):
+        if len(looks) > 1:
+            return looks.pop(0)
+        hello.set()
+        return looks[0]
+
+    bounds = CallBounds(20.0, 100, silence_s=0.05, is_alive=is_alive)
+    with socket.create_server(("127.0.0.1", 0)) as listener, apply_bounds(bounds):
+        threading.Thread(target=serve, args=(listener,), daemon=True).start()
+        client = guard(httpx.Client(verify=anonymous(ssl.PROTOCOL_TLS_CLIENT)))
+        with client, suppress(httpx.TransportError):
+            client.get(f"https://127.0.0.1:{listener.getsockname()[1]}/")
+    return bounds
+
+
+def test_a_server_with_a_slow_handshake_that_responds_to_others_is_waited_for():
+    bounds = asked_with_a_slow_handshake([True, True])
+    assert (bounds.status, bounds.broken) == (200, None)
+
+
+def test_a_server_that_falls_silent_during_a_handshake_is_left():
+    bounds = asked_with_a_slow_handshake([True, False])
+    assert (bounds.status, bounds.broken) == (None, "silence")
 
 
 def test_a_late_answer_of_a_server_that_is_there_is_no_silence():
