@@ -116,8 +116,10 @@ def estimate(
 
 def _kept(study: Study) -> set[str]:
     """Return the ids of verdicts that a run keeps without a question."""
+    if not study.store.holds("verdicts.jsonl"):
+        return set()
     verdicts = study.stored_verdicts
-    stale = {verdict.id for verdict in Tables.of(study).stale(verdicts)} if verdicts else set()
+    stale = {verdict.id for verdict in Tables.of(study).stale(verdicts)}
     return {verdict.id for verdict in verdicts if not verdict.retryable} - stale
 
 

@@ -15,7 +15,7 @@ from oodscen._io.json import is_object, object_lines, parse_object
 from oodscen._io.lock import locked
 from oodscen._words.text import whole
 from oodscen.data._base import Data, canonical_json
-from oodscen.errors import DataError, Issue, StudyError, StudyMissing
+from oodscen.errors import DataError, Issue, StudyError
 
 _NOUN = "study"
 
@@ -155,7 +155,6 @@ class Store(Brief):
         """Yield the lines of a file; a torn last line is skipped, and a missing file is empty.
 
         Raises:
-            StudyMissing: When the folder is gone.
             DataError: When the file cannot be read, or a line is not a JSON object.
         """
         for _, line in self.numbered(name):
@@ -165,8 +164,6 @@ class Store(Brief):
         """Yield lines as `lines` does, each with its number from 1."""
         target = self.path(name)
         if not os.path.lexists(target):
-            if not self.folder.is_dir():
-                raise StudyMissing(str(self.folder))
             return
         for number, line in object_lines(read_regular(target, _NOUN)):
             if isinstance(line, ValueError):

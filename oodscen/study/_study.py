@@ -1,7 +1,7 @@
 """Reading a study from disk: every table in one call."""
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self, TypeVar
@@ -377,7 +377,7 @@ class Study(Brief, StudyUses):
         """
         if name not in TABLES:
             raise UnknownComponent("table", name, TABLES)
-        return list(self.store.lines(TABLES[name]))
+        return [line for _, line in self._lines(TABLES[name])]
 
     @checked
     def to_arrow(self, name: str) -> "pa.Table":
@@ -417,9 +417,15 @@ class Study(Brief, StudyUses):
         frame = pd.json_normalize(rows, max_level=1)
         return frame.assign(**{_HASHES: hashes}) if any(hashes) else frame
 
+    def _lines(self, name: str) -> Iterator[tuple[int, dict[str, Any]]]:
+        """Return the lines of a file with their numbers; a missing file is empty, but no missing study."""
+        if not self.folder.is_dir():
+            raise StudyMissing(str(self.folder))
+        return self.store.numbered(name)
+
     def _rows(self, kind: type[Row], name: str) -> list[Row]:
         rows = []
-        for number, line in self.store.numbered(name):
+        for number, line in self._lines(name):
             try:
                 if line.get("status") == "failed" and "status" not in kind.model_fields:
                     FailedLine.parse(line)
