@@ -9,8 +9,8 @@ from oodscen.data._episode import MOMENTS, Episode
 from oodscen.data._reactions import REACTIONS_S
 from oodscen.data._scene import Scene
 from oodscen.protocols import Camera
-from oodscen.stages._restage import Attempt
-from oodscen.stages._video import View
+from oodscen.stages._pictures.video import View
+from oodscen.stages._restaging.restage import Attempt
 from oodscen.study._store import Store
 
 

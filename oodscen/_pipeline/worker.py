@@ -21,13 +21,13 @@ from oodscen.data._scene import Scene
 from oodscen.driving._trace_table import to_bytes
 from oodscen.errors import MissingExtra, OodscenError, SimulatorCrash
 from oodscen.protocols import Frame, Simulator
-from oodscen.stages._annotations import FrameAnnotations, annotate
-from oodscen.stages._decision_retiming import retime
 from oodscen.stages._demands.demanding import draw_demand
-from oodscen.stages._rerun import Rerunner
-from oodscen.stages._restage import Restaging, restage
+from oodscen.stages._pictures.annotations import FrameAnnotations, annotate
+from oodscen.stages._pictures.video import record
+from oodscen.stages._restaging.decision_retiming import retime
+from oodscen.stages._restaging.rerun import Rerunner
+from oodscen.stages._restaging.restage import Restaging, restage
 from oodscen.stages._simulate import Simulated, simulate
-from oodscen.stages._video import record
 
 Work = TypeVar("Work")
 

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from oodscen.interchange._writing.files import ScenarioFile
     from oodscen.interchange._writing.scenario import Mode, Target
     from oodscen.protocols import Camera, Driver, Encoder, Frame, Simulator, State
-    from oodscen.stages._annotations import FrameAnnotations
-    from oodscen.stages._birds_eye import BirdsEye
-    from oodscen.stages._video import View
+    from oodscen.stages._pictures.annotations import FrameAnnotations
+    from oodscen.stages._pictures.birds_eye import BirdsEye
+    from oodscen.stages._pictures.video import View
 
 
 class SceneUses:
@@ -211,7 +211,7 @@ class SceneUses:
         from pathlib import Path
 
         from oodscen._arguments import instance_of
-        from oodscen.stages._video import record
+        from oodscen.stages._pictures.video import record
 
         instance_of("path", path, str, Path)
         refuse_own(Path(path))
@@ -248,7 +248,7 @@ class SceneUses:
             UsageError: If the state is one of another scene.
             MissingExtra: When OpenCV is not installed.
         """
-        from oodscen.stages._birds_eye import birds_eye
+        from oodscen.stages._pictures.birds_eye import birds_eye
 
         return birds_eye(state, fitting(self), catalogue, size=size, span_m=span_m)
 
@@ -270,7 +270,7 @@ class SceneUses:
         Raises:
             UsageError: If the state is one of another scene, or the frame cannot be one of the camera and the state.
         """
-        from oodscen.stages._annotations import annotate
+        from oodscen.stages._pictures.annotations import annotate
 
         return annotate(frame, state, fitting(self), catalogue, camera)
 

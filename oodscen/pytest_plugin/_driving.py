@@ -181,7 +181,7 @@ class Drive:
         """Return the pictures of the simulator's present state; none if they are not wanted or cannot be made."""
         if self._scenes.pictures is None:
             return {}
-        from oodscen.stages._birds_eye import birds_eye
+        from oodscen.stages._pictures.birds_eye import birds_eye
 
         try:
             plan_view = birds_eye(state, scene, self._simulator.catalogue())

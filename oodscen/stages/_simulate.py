@@ -37,9 +37,9 @@ from oodscen.driving._sight.weather import is_noticeable
 from oodscen.driving._trace import Course, Trace, concatenate
 from oodscen.errors import MissingExtra, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Control, Frame, Simulator, State, camera_for
-from oodscen.stages._birds_eye import birds_eye
+from oodscen.stages._pictures.birds_eye import birds_eye
+from oodscen.stages._pictures.visibility import sighting
 from oodscen.stages._safe_actions import Rollouts, Trials, fingerprint
-from oodscen.stages._visibility import sighting
 
 if TYPE_CHECKING:
     import pyarrow as pa

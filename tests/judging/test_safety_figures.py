@@ -21,8 +21,8 @@ from oodscen.data._weather import Weather
 from oodscen.driving._sight.placement import check_scene
 from oodscen.judging._safety_figures import safety_figures
 from oodscen.protocols import Camera
-from oodscen.stages._rerun import Rerunner
-from oodscen.stages._restage import restage, variants
+from oodscen.stages._restaging.rerun import Rerunner
+from oodscen.stages._restaging.restage import restage, variants
 from oodscen.testing._scenes import example_scene
 
 OUTCOMES = st.builds(

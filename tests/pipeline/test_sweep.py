@@ -17,7 +17,7 @@ from oodscen._pipeline.sweep import sweep
 from oodscen.data._episode import MOMENTS
 from oodscen.errors import MissingExtra, RunStopped, StudyError, UsageError
 from oodscen.protocols import Camera
-from oodscen.stages._annotations import FrameAnnotations
+from oodscen.stages._pictures.annotations import FrameAnnotations
 from oodscen.study._store import Store
 from oodscen.testing._scenes import example_scene
 from tests.pipeline.quick import SMALL

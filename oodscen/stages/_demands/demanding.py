@@ -17,7 +17,7 @@ from oodscen.errors import DataError, Issue, SceneError
 from oodscen.protocols import camera_for
 from oodscen.stages._demands.kinds import Candidate, ranked_candidates
 from oodscen.stages._demands.setting import Draft, Setting
-from oodscen.stages._rerun import Rerunner
+from oodscen.stages._restaging.rerun import Rerunner
 from oodscen.stages._simulate import VISIBLE_PX, Simulated, approach
 
 _SEEN = 4.0

@@ -24,7 +24,7 @@ from oodscen.stages._demands.demanding import (
 )
 from oodscen.stages._demands.kinds import KINDS, ranked_candidates
 from oodscen.stages._demands.setting import NearbyBodies, Setting
-from oodscen.stages._rerun import Rerunner
+from oodscen.stages._restaging.rerun import Rerunner
 from oodscen.stages._simulate import simulate
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene

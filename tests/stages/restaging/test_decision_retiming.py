@@ -7,10 +7,10 @@ from oodscen.claims._checking import check_claims, mismatches
 from oodscen.data._claim import Claim
 from oodscen.data._scene import Actor, Behaviour, Placement, Trigger
 from oodscen.protocols import Camera
-from oodscen.stages import _decision_retiming
-from oodscen.stages._decision_retiming import SLOWER, _slow_ego, retime
-from oodscen.stages._rerun import Rerunner
-from oodscen.stages._restage import changed_scene, contradiction, variants
+from oodscen.stages._restaging import decision_retiming as _decision_retiming
+from oodscen.stages._restaging.decision_retiming import SLOWER, _slow_ego, retime
+from oodscen.stages._restaging.rerun import Rerunner
+from oodscen.stages._restaging.restage import changed_scene, contradiction, variants
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 

@@ -11,8 +11,8 @@ from oodscen.data._scene import Hazard
 from oodscen.data._sighting import apparent_size
 from oodscen.data._weather import Weather
 from oodscen.protocols import Camera, Frame
+from oodscen.stages._pictures.visibility import sighting
 from oodscen.stages._simulate import approach
-from oodscen.stages._visibility import sighting
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 

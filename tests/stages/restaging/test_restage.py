@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from oodscen.data._scene import MAX_ACTORS, MAX_SPEED, MAX_TRIGGER, Ego, Scene, Trigger
 from oodscen.errors import DataError
-from oodscen.stages._restage import COMPANION, changed_scene, variants
+from oodscen.stages._restaging.restage import COMPANION, changed_scene, variants
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 

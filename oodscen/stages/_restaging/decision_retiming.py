@@ -17,8 +17,9 @@ from oodscen.driving._sight.scene_checks import bodies
 from oodscen.driving._sight.staging_advice import LATEST_S, LOOK_S
 from oodscen.errors import OodscenError
 from oodscen.protocols import State, camera_for
-from oodscen.stages._rerun import Rerunner
-from oodscen.stages._restage import (
+from oodscen.stages._pictures.visibility import sighting
+from oodscen.stages._restaging.rerun import Rerunner
+from oodscen.stages._restaging.restage import (
     Attempt,
     Restaging,
     changed_scene,
@@ -26,7 +27,6 @@ from oodscen.stages._restage import (
     fault_of_run,
 )
 from oodscen.stages._simulate import Simulated, approach
-from oodscen.stages._visibility import sighting
 
 MOST_MOMENTS = 6
 """Largest number of moments that are tried per approach speed."""

@@ -18,7 +18,7 @@ from oodscen.data._scene import (
     Scene,
 )
 from oodscen.errors import OodscenError
-from oodscen.stages._rerun import Rerunner
+from oodscen.stages._restaging.rerun import Rerunner
 from oodscen.stages._simulate import Simulated
 
 COMPANION = "companion"

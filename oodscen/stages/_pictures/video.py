@@ -24,7 +24,7 @@ from oodscen.driving._motion.triggers import MAX_APPROACH_S, ROUNDING_S, is_due
 from oodscen.driving._roads.building import load_corridor
 from oodscen.errors import OodscenError, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Driver, Simulator, State, camera_for
-from oodscen.stages._birds_eye import Pixels, birds_eye, opencv
+from oodscen.stages._pictures.birds_eye import Pixels, birds_eye, opencv
 from oodscen.stages._steering import Steering, own_camera
 
 View = Literal["ego", "bird", "both"]

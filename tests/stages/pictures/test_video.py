@@ -10,7 +10,7 @@ from oodscen.driving._motion.actions import Cruise
 from oodscen.errors import FolderTaken, OodscenError, SimulatorCrash, UnknownComponent, UsageError
 from oodscen.protocols import Camera, Control
 from oodscen.stages._drive import drive
-from oodscen.stages._video import Video
+from oodscen.stages._pictures.video import Video
 from oodscen.testing._flat import FlatSimulator
 from oodscen.testing._scenes import example_scene
 

@@ -10,7 +10,7 @@ import pytest
 from oodscen.data._scene import Actor, Ego, Hazard, Placement, Scene, Trigger
 from oodscen.errors import FolderTaken, OodscenError, UsageError
 from oodscen.protocols import Camera, Frame
-from oodscen.stages._annotations import (
+from oodscen.stages._pictures.annotations import (
     CLASSES,
     FrameAnnotations,
 )

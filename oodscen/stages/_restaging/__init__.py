@@ -1,0 +1,1 @@
+"""Changes of staged scenes that their own drives ask for."""
