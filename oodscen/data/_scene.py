@@ -20,7 +20,7 @@ from oodscen.data._details import Details
 from oodscen.data._issues import IssuesError, issues_of
 from oodscen.data._map_state import MapState
 from oodscen.data._pairing import is_ordinary, is_twin, twin_id
-from oodscen.data._scene_uses import SceneUses
+from oodscen.data._scene_uses import SceneUses, fitting
 from oodscen.data._weather import Weather
 from oodscen.errors import Issue
 
@@ -248,6 +248,15 @@ class Scene(LeanData, SceneUses):
             and not (isinstance(held, list) and tuple(held) == value)
         ]
 
+    def to_json(self) -> str:
+        """Return the canonical JSON text: sorted keys, no spaces.
+
+        Raises:
+            SceneError: If a value is one that no scene can have, since `model_copy` changed it without checking.
+        """
+        fitting(self)
+        return super().to_json()
+
     def twin(self, decision_s: float) -> "Scene":
         """Return the same scene with its hazard replaced by the ordinary counterpart.
 
@@ -260,7 +269,9 @@ class Scene(LeanData, SceneUses):
 
         Raises:
             UsageError: If it is no time from 0 to 500 s.
+            SceneError: If a value of the scene is one that no scene can have.
         """
+        fitting(self)
         decision_s = finite_number("decision_s", decision_s, 0.0, MAX_TRIGGER)
         actors = (self.hazard.actors.get(actor.id, actor) for actor in self.actors)
         return Scene.model_validate(

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from oodscen.data._scene import Actor, Behaviour, Ego, Hazard, Placement, Scene, Trigger
 from oodscen.data._weather import Weather
-from oodscen.errors import DataError, UsageError
+from oodscen.errors import DataError, SceneError, UsageError
 from oodscen.testing._scenes import example_scene
 
 names = st.sampled_from(["truck", "deer", "box", "cone"])
@@ -255,3 +255,12 @@ def test_an_id_without_room_for_ordinary_drives_is_refused():
 def test_an_actor_is_not_named_as_a_missing_value(name):
     with pytest.raises(DataError, match="missing value"):
         Actor(id=name, asset="car", placement=Placement(ahead_m=30.0))
+
+
+@pytest.mark.parametrize("speed", [math.nan, -500.0])
+def test_a_copy_with_values_that_no_scene_can_have_is_neither_written_nor_twinned(speed):
+    scene = Scene.parse(example())
+    copy = scene.model_copy(update={"ego": scene.ego.model_copy(update={"speed": speed})})
+    for use in (copy.to_json, lambda: copy.twin(1.0)):
+        with pytest.raises(SceneError, match=r"ego\.speed"):
+            use()

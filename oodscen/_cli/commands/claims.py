@@ -144,20 +144,21 @@ def _print(rows: "Sequence[Faithfulness | Unjudged]", *, as_json: bool) -> int:
     judged = [row for row in rows if isinstance(row, Faithfulness)]
     unjudged = [row for row in rows if isinstance(row, Unjudged)]
     claims = sum(len(row.findings) for row in judged)
-    unfaithful = len(unjudged) + sum(not row.is_faithful for row in judged)
+    unfaithful = sum(not row.is_faithful for row in judged)
     if as_json:
         content = [row.model_dump(mode="json") for row in rows]
-        say(canonical_json({"scenes": content, "claims": claims, "unfaithful": unfaithful}))
-        return unfaithful
+        faults = unfaithful + len(unjudged)
+        say(canonical_json({"scenes": content, "claims": claims, "unfaithful": faults}))
+        return faults
     for faithfulness in judged:
         for mismatch in faithfulness.mismatches:
             say(f"{faithfulness.id}: the text says {mismatch.claim}, but {mismatch.found}")
     for row in unjudged:
         for fault in row.faults:
             say(f"{row.id}: {fault}")
-    unchecked = f", {len(unjudged)} of them could not be checked" if unjudged else ""
-    say(f"{len(rows)} scenes, {claims} claims, {unfaithful} unfaithful scenes{unchecked}")
-    return unfaithful
+    unchecked = f"; {len(unjudged)} more could not be checked" if unjudged else ""
+    say(f"{len(judged)} scenes, {claims} claims, {unfaithful} unfaithful scenes{unchecked}")
+    return unfaithful + len(unjudged)
 
 
 def _values(kind: type[Value], path: Path) -> Iterator[tuple[int, Value | tuple[str, ...]]]:

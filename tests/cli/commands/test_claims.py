@@ -103,7 +103,7 @@ def test_a_malformed_text_is_told_and_costs_only_its_own_scenes(tmp_path):
     done = CliRunner().invoke(main, ["check-claims", *files, *simulator])
     assert done.exit_code == 1
     assert "texts.jsonl:1" in done.output
-    assert "1 of them could not be checked" in done.output
+    assert "; 1 more could not be checked" in done.output
 
 
 def test_two_texts_of_one_id_are_refused(tmp_path):
