@@ -2,18 +2,24 @@
 
 import re
 from functools import cached_property
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, Strict, model_validator
 
 from oodscen.data._base import Data, no_truth_value
+from oodscen.data._catalogue import LANDMARKS
 from oodscen.data._category import Category
 from oodscen.data._details import Details
+from oodscen.data._issues import IssuesError
+from oodscen.data._scene import LONGEST_HORIZON_S, SHORTEST_HORIZON_S
+from oodscen.errors import Issue
 from oodscen.tree._labels import MAX_LABEL
 
 
 def _as_range(value: Any) -> Any:
     no_truth_value(value)
+    if isinstance(value, list | tuple) and len(value) != 2:
+        raise ValueError("must be a number, or two for a range")
     return (value, value) if isinstance(value, (int, float)) else value
 
 
@@ -28,8 +34,9 @@ def _not_backward(value: Any) -> Any:
     return value
 
 
-Number = Annotated[float, BeforeValidator(no_truth_value)]
-Whole = Annotated[int, BeforeValidator(no_truth_value)]
+Number = Annotated[float, Strict(), BeforeValidator(no_truth_value)]
+Whole = Annotated[int, Strict(), BeforeValidator(no_truth_value)]
+Truth = Annotated[bool, Strict()]
 _Limits = Annotated[tuple[Number, Number], BeforeValidator(_as_range)]
 _NOT_BACKWARD = AfterValidator(_not_backward)
 """Checks a range or what may stand in its place; outside a union, so that its fault has the field's path."""
@@ -39,9 +46,9 @@ Drawn = Annotated[_Limits | Literal["ego"], _NOT_BACKWARD]
 """A range to draw from; `ego` stands for the ego's speed."""
 RangeOrWord = Annotated[_Limits | str, _NOT_BACKWARD]
 """A range to draw from, or a word."""
-Names = Annotated[tuple[str, ...], BeforeValidator(_as_choice)]
+Names = Annotated[tuple[str, ...], Field(min_length=1), BeforeValidator(_as_choice)]
 """One or several names to choose from."""
-Lanes = Annotated[tuple[Whole, ...], BeforeValidator(_as_choice)]
+Lanes = Annotated[tuple[Whole, ...], Field(min_length=1), BeforeValidator(_as_choice)]
 """One or several lanes to choose from, counted to the left of the ego's."""
 
 ClassName = Literal["environmental", "interactional"]
@@ -126,7 +133,7 @@ class RecipeActor(Data):
     """State of the asset, such as `indicate_left`; ignored if the asset does not have it."""
     details: Details | None = None
     """Pose of a person or states of a vehicle's parts, where the simulator has them."""
-    hazard: bool = True
+    hazard: Truth = True
     """True if the actor is part of the unusual event."""
     ordinary: Literal["remove"] | Counterpart = "remove"
     """Differences of the actor in the ordinary twin; by default the twin does not have it."""
@@ -161,13 +168,13 @@ class Recipe(Data):
     """Speed of the ego, m/s."""
     decision: RecipeTrigger
     """The moment at which the ego must choose an action."""
-    horizon: Number = 8.0
+    horizon: Number = Field(default=8.0, ge=SHORTEST_HORIZON_S, le=LONGEST_HORIZON_S)
     """Duration from the decision to the end, s."""
     ego_lane: Literal["right", "any", "left", "mirror"] = "right"
     """Permitted starting lanes of the ego: the rightmost, any, the leftmost, so that the lane to its
     left is an oncoming one, or the leftmost with everything mirrored. If the ego starts in another
     lane than the rightmost, roadside objects stay at the roadside."""
-    company: bool | Literal["follower"] = True
+    company: Truth | Literal["follower"] = True
     """True if ordinary traffic may drive beside the ego, behind it or towards it; with `follower`,
     a vehicle always drives close behind."""
     width: Number = Field(default=0.0, ge=0.0)
@@ -181,6 +188,19 @@ class Recipe(Data):
     """Values of these fields in the ordinary twin."""
     actors: tuple[RecipeActor, ...] = ()
     """The actors, in an order in which each follows its anchor."""
+
+    @model_validator(mode="after")
+    def _anchored(self) -> Self:
+        anchors = {"start", *LANDMARKS}
+        issues = []
+        for index, actor in enumerate(self.actors):
+            if actor.at not in anchors:
+                fault = f"{actor.at!r} is neither a landmark nor an actor listed before"
+                issues.append(Issue(f"actors[{index}].at", fault))
+            anchors.add(actor.id)
+        if issues:
+            raise IssuesError(issues)
+        return self
 
     @property
     def hazards(self) -> tuple[RecipeActor, ...]:
@@ -234,13 +254,13 @@ class HazardKind(Data):
     """Full clauses that start with a capital letter and end without a full stop; `{where}` is filled in."""
     details: tuple[str, ...] = ()
     """Sentences about the consequence, added to some texts."""
-    traffic: bool = False
+    traffic: Truth = False
     """True if a text may also mention ordinary traffic."""
-    ordinary: Names = Field(min_length=1)
+    ordinary: Names
     """Ordinary counterparts as clauses; the first one that suits the setting is used."""
     needs: Needs = Needs()
     """Assets and places that a simulator must have to show it."""
-    first: bool = False
+    first: Truth = False
     """True if the hazard is imagined before others, until a question names it as covered."""
     source: str = ""
     """Kind of source that it was taken from."""
@@ -313,7 +333,7 @@ class BackgroundTraffic(Data):
 class Clash(Data):
     """Words that are incompatible with some places, weather or traffic."""
 
-    words: Names = Field(min_length=1)
+    words: Names
     """Whole words; an asterisk stands for any ending."""
     places: tuple[str, ...] = ()
     """Keys of places."""

@@ -181,8 +181,8 @@ def _set_aside(entry: dict[str, Any], path: str) -> None:
         target = inner.pop(steps[-1], None)
         if _is_backward(target):
             inner[steps[-1]] = target[::-1]
-    elif steps and isinstance(inner, list) and isinstance(steps[-1], int):
-        inner[steps[-1]] = f"Without a name {steps[-1]}"
+    elif steps and isinstance(inner, list) and isinstance(last := steps[-1], int) and inner[last:]:
+        inner[last] = f"Without a name {last}"
 
 
 def _is_backward(value: Any) -> bool:

@@ -7,7 +7,6 @@ from pathlib import Path
 from oodscen.author._knowledge.base import Clash, Driving, HazardKind, Knowledge, Recipe
 from oodscen.author._knowledge.loading import file_of, gather, own_files
 from oodscen.author._writing.agreement import Agreement, PlaceAndTime
-from oodscen.data._catalogue import LANDMARKS
 from oodscen.data._weather import Weather
 from oodscen.errors import DataError, Issue
 from oodscen.prompts._tree.kind_labels import kind_fault
@@ -40,6 +39,9 @@ def validate_knowledge(path: str | Path | None = None) -> list[Issue]:
     for table in ("clash", "driving"):
         for where, entry in shelf.entries[table]:
             faults += _located(where, _unknown_keys(entry, knowledge))
+    for where, place in shelf.entries["place"]:
+        unknown = place.told.keys() - set(place.traits)
+        faults += _located(where, (Issue(f"told.{key}", "is no trait of it") for key in unknown))
     agreement = Agreement(knowledge)
     for where, hazard in shelf.hazards:
         faults += _located(where, _faults(hazard, knowledge))
@@ -184,16 +186,11 @@ def _recipe_faults(recipe: Recipe) -> Iterable[Issue]:
 
 
 def _actor_faults(recipe: Recipe, names: Collection[str]) -> Iterable[Issue]:
-    """Yield references of actors to others that are unknown, or listed later, and missing speeds."""
-    places = set(LANDMARKS) | {"start"}
+    """Yield references of actors to others that are unknown, and missing speeds."""
     for index, actor in enumerate(recipe.actors):
         where = f"stage.actors[{index}]"
         for field, target in (("trigger.actor", actor.trigger.actor), ("other", actor.other)):
             if target is not None and target not in names:
                 yield Issue(f"{where}.{field}", f"unknown actor {target!r}")
-        if actor.at not in places:
-            message = f"{actor.at!r} is neither a landmark nor an actor listed before"
-            yield Issue(f"{where}.at", message)
         if actor.meets is not None and "speed" not in actor.parameters:
             yield Issue(f"{where}.meets", "needs the parameter 'speed'")
-        places.add(actor.id)

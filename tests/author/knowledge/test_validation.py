@@ -3,6 +3,7 @@ from pathlib import Path
 import pytest
 
 from oodscen.author._knowledge.base import Knowledge
+from oodscen.author._knowledge.inspection import inspect_knowledge
 from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.author._knowledge.validation import validate_knowledge
 from oodscen.errors import DataError
@@ -261,3 +262,45 @@ trigger = { kind = "ttc", value = 3.0, actor = "cello" }
         f"{start}.weather.humidity",
         f"{start}.actors[0].trigger.actor",
     }
+
+
+STAGE = """
+[hazard.stage]
+speed = 9.0
+decision = { kind = "distance", value = 30.0 }
+actors = [{ id = "piano", asset = "cardboard_box", ahead = 60.0 }]
+"""
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [
+        (("ahead = 60.0", 'ahead = 60.0, at = "piano"'), "stage.actors[0].at"),
+        (("speed = 9.0", "speed = []"), "stage.speed"),
+        (("speed = 9.0", "speed = [1.0, 2.0, 3.0]"), "stage.speed"),
+        (("speed = 9.0", 'speed = ["8.5", "11.5"]'), "stage.speed[0]"),
+        (("speed = 9.0", "speed = 9.0\nhorizon = 0"), "stage.horizon"),
+        (("speed = 9.0", 'speed = 9.0\nhorizon = "8"'), "stage.horizon"),
+        (("ahead = 60.0", "ahead = []"), "stage.actors[0].ahead"),
+        (('"cardboard_box"', "[]"), "stage.actors[0].asset"),
+        (("ahead = 60.0", "ahead = 60.0, lane = []"), "stage.actors[0].lane"),
+        (("ahead = 60.0", "ahead = 60.0, hazard = 1"), "stage.actors[0].hazard"),
+        (("[hazard.stage]", 'first = "yes"\n[hazard.stage]'), "first"),
+    ],
+)
+def test_a_recipe_of_wrong_kinds_is_a_fault_and_loads_nowhere(
+    change: tuple[str, str], field: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "own.toml"
+    path.write_text((GOOD + STAGE).replace(*change))
+    assert any(fault.path.endswith(f": {field}") for fault in validate_knowledge(path)), field
+    inspect_knowledge(path)
+    with pytest.raises(DataError):
+        load_knowledge(path)
+
+
+def test_a_word_for_a_trait_that_a_place_lacks_is_a_fault(tmp_path: Path) -> None:
+    path = tmp_path / "own.toml"
+    place = 'key = "field"\ntraits = ["rural"]\ntold = { curv = ["bend"] }\nphrases = ["on a road"]'
+    path.write_text(f"[[place]]\n{place}\n")
+    assert [fault.path.rpartition(": ")[2] for fault in validate_knowledge(path)] == ["told.curv"]
