@@ -179,7 +179,9 @@ class Trace(Brief):
         least = {
             name: columns[name][:, 1:].min(axis=0) for name in ("gap_m", "ttc_s", "time_headway_s")
         }
-        braking = -columns["acceleration"][:, 1:].min(axis=0)
+        # What speeds up in reverse accelerates against its heading, and does not brake.
+        braking = -columns["acceleration"][1:, 1:] * np.sign(columns["speed"][:-1, 1:])
+        hardest = braking.max(axis=0, initial=0.0)
         return {
             name: Encounter(
                 actor=name,
@@ -187,7 +189,7 @@ class Trace(Brief):
                 min_ttc_s=_rounded(least["ttc_s"][row]),
                 pet_s=_rounded(pet[row]),
                 min_time_headway_s=_rounded(least["time_headway_s"][row]),
-                max_deceleration=max(0.0, round(float(braking[row]), 3)),
+                max_deceleration=round(float(hardest[row]), 3) + 0.0,
             )
             for row, name in enumerate(self.ids[1:])
         }

@@ -93,6 +93,19 @@ def test_the_conflict_shows(trace):
     assert np.isinf(trace["ttc_s"][:, 0]).all()
 
 
+@pytest.mark.parametrize("turned_from", [1.0, -1.0])
+def test_braking_is_a_loss_of_speed_in_either_direction(trace, turned_from):
+    """Driving off backwards is none."""
+    speed = turned_from * np.repeat([0.0, 0.0, 1.0, 3.0, 2.5, 0.0], 4).reshape(6, 4)
+    acceleration = np.vstack([np.zeros((1, 4)), np.diff(speed, axis=0)])
+    columns = {name: column[:6] for name, column in trace.columns.items()}
+    for steps, wanted in ((6, 2.5), (5, 0.5), (4, 0.0), (1, 0.0)):
+        rates = {"speed": speed, "acceleration": acceleration}
+        part = {name: column[:steps] for name, column in (columns | rates).items()}
+        found = [one.max_deceleration for one in Trace(trace.ids, part).summary().values()]
+        assert found == [wanted] * 3
+
+
 def test_the_least_time_to_collision_of_a_state_is_that_of_its_row(trace, states):
     course = Course.of(SCENE, FLAT_CATALOGUE)
     for row in (0, 1, 30, 60, 100):

@@ -24,9 +24,15 @@ class EntityBox(NamedTuple):
         return 0.5 * along
 
 
+def bounding_box(entity: Element) -> Element | None:
+    """Return the element of a scenario object's own box, which is not that of its trailer."""
+    boxes = (body.first("BoundingBox") for body in entity.children())
+    return next((box for box in boxes if box is not None), None)
+
+
 def box_of(entity: Element) -> EntityBox:
     """Return the box of a scenario object."""
-    box = next(entity.within("BoundingBox"), None)
+    box = bounding_box(entity)
     if box is None:
         return EntityBox(0.0, None, None)
     centre, size = box.first("Center"), box.first("Dimensions")

@@ -27,7 +27,7 @@ _MAJOR, _MINORS = "1", ("0", "1", "2", "3")
 
 @dataclass(frozen=True, repr=False)
 class ImportedScene(Brief):
-    """A scene that was read from a file of another tool, with what it lacks."""
+    """A scene that was read from an OpenSCENARIO file, with what it lacks."""
 
     scene: Scene
     omissions: tuple[Issue, ...] = ()

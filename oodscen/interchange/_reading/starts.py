@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Iterable
 from typing import NamedTuple
 
+from oodscen.interchange._reading.boxes import bounding_box
 from oodscen.interchange._reading.positions import EntityPlace, Positions
 from oodscen.interchange._reading.tree import Element
 
@@ -121,7 +122,8 @@ class _Order:
 def centre_of(name: str, entity: Element, positions: Positions) -> EntityPlace | None:
     """Return the pose of an entity's centre, which is ahead of a vehicle's reference point."""
     place = positions.places.get(name)
-    centre = next(entity.within("Center"), None)
+    box = bounding_box(entity)
+    centre = None if box is None else box.first("Center")
     if place is None or centre is None:
         return place
     moved = place.moved(centre.number("x", 0.0), centre.number("y", 0.0))

@@ -39,9 +39,9 @@ class Endpoint:
 
     The number of concurrent requests is halved when the server reports too many, and grows by one after as
     many answers as are allowed at once, so it follows the rate that the server grants. The server is given up
-    for good when no request got a response for `patience_s`. A model on it is given up when `strikes` of its
-    calls in a row failed, or when a key is refused. Every later request then raises `EndpointDown`. With
-    `patience_s=None` nothing is given up.
+    for good when no request got a response for `patience_s`, not counting time without any request. A
+    model on it is given up when `strikes` of its calls in a row failed, or when a key is refused. Every later
+    request then raises `EndpointDown`. With `patience_s=None` nothing is given up.
 
     `leniency` multiplies the strikes for failures that may be the item's own fault (server errors, timeouts).
     If it exceeds 1, a model that has used up its plain strikes is in doubt: each call gets one attempt, until
@@ -73,6 +73,8 @@ class Endpoint:
         """Calls of each model that failed since its last answer, by the kind of failure."""
         self._last_response_at = -math.inf
         self._silent_since: float | None = None
+        self._idle_since: float | None = None
+        """Time at which a call failed while no other request was under way; `None` once one failed later."""
         self._narrowed_at = -1.0
         self._not_before = 0.0
         self._refused_at = 0.0
@@ -174,6 +176,7 @@ class Endpoint:
         if failure.kind not in _LENIENCY:
             return
         with self._slot_free:
+            self._idle_since = None if self._running else self._clock()
             counts = self._failed_calls.setdefault(model, Counter())
             counts[failure.kind] += 1
             weights = {kind: max(1.0, min(self.leniency, most)) for kind, most in _LENIENCY.items()}
@@ -189,6 +192,9 @@ class Endpoint:
         """Give the server up if no request got a response for `patience_s`."""
         if self._silent_since is None:
             self._silent_since = max(begun, self._last_response_at)
+        elif self._idle_since is not None:
+            self._silent_since += max(0.0, begun - self._idle_since)
+        self._idle_since = None
         silence_s = self._clock() - self._silent_since
         if self.patience_s is not None and silence_s >= self.patience_s:
             self._give_up(None, f"no response for {silence_s:.0f} s; {failure.message}")

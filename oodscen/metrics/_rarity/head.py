@@ -48,12 +48,12 @@ class Head:
     """A fitted head of a kind, `minilm` or `words`, from arrays that `tools/rarity/train.py` wrote."""
 
     def __init__(self, arrays: dict[str, NDArray[Any]], kind: str) -> None:
-        self.kind = kind
         self.uses_vectors = kind == "minilm"
         self.words = Words([str(stem) for stem in arrays["vocabulary"]], arrays["weights"])
         fit = {name.removeprefix(f"{kind}."): value for name, value in arrays.items()}
         self._beta = fit["beta"].astype(np.float32)
-        self._alpha = fit["alpha"].astype(np.float32)
+        # Large terms of either sign cancel: sums of float32 would depend on the texts of a block in the fourth decimal.
+        self._alpha = fit["alpha"].astype(np.float64)
         self._constant, self._gamma = float(fit["constant"]), float(fit["gamma"])
         self.least_nearness = float(fit["nearest"])
         """Nearness below which the head gives no figure."""

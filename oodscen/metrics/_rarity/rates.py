@@ -31,24 +31,24 @@ class PublishedRate(Data):
     _refuses_conversion: ClassVar = True
 
     number: int = 0
-    event: str = Field(min_length=1)
+    event: str
     kind: Kind = "met"
     grade: Literal["A", "B", "C", "M"] = "A"
     """A from a primary source, B from a secondary one, C with an assumed denominator, M from memory."""
     km: tuple[float, float, float]
     """Kilometres between two events: least, best, most."""
-    source: str = Field(min_length=1)
+    source: str
     texts: tuple[str, ...] = Field(min_length=1)
     """Wordings of the event."""
 
     @model_validator(mode="after")
-    def _is_ordered(self) -> "PublishedRate":
+    def _is_usable(self) -> "PublishedRate":
         if not LEAST_KM <= self.km[0] <= self.km[1] <= self.km[2] <= MOST_KM:
             raise ValueError(
                 f"km: three numbers in order, least, best, most, from {LEAST_KM} to {MOST_KM:.0e}"
             )
-        if not all(text.strip() for text in self.texts):
-            raise ValueError("texts: none may be blank")
+        if not all(text.strip() for text in (self.event, self.source, *self.texts)):
+            raise ValueError("event, source, texts: none may be blank")
         return self
 
     @property
@@ -82,14 +82,13 @@ def resolve_rates(
     """
     if anchors is None:
         return None
-    if anchors == "published":
-        return published_rates()
     if isinstance(anchors, str | Path):
-        return load_rates(anchors)
+        return published_rates() if anchors == "published" else load_rates(anchors)
     instances_of("anchors", anchors, PublishedRate)
-    if faults := _contradictions(anchors) if anchors else [Issue("", "there is none")]:
+    rates = tuple(anchors)
+    if faults := _contradictions(rates) if rates else [Issue("", "there is none")]:
         raise DataError("rates", faults)
-    return tuple(anchors)
+    return rates
 
 
 @contextmanager

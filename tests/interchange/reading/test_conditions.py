@@ -55,6 +55,19 @@ def test_a_distance_is_that_of_the_entities_which_it_names(condition, expected, 
     assert trigger(found) == expected
 
 
+def test_the_box_of_a_vehicle_is_not_that_of_its_trailer(tmp_path):
+    """Where the trailer stands before the box, too, as the schema allows."""
+    trailer = entity("t", ahead=-7.0, length=9.0)
+    towing = entity("a").replace("<BoundingBox>", f"<Trailer>{trailer}</Trailer><BoundingBox>", 1)
+    story = event(speed(0), by_entity(near(20, freespace="true")))
+    starts = [start("ego", lane(200), 10), start("a", lane(250), 5)]
+    alone, pair = (
+        read(tmp_path, file([entity("ego"), one], starts, story)).scene.actors
+        for one in (entity("a"), towing)
+    )
+    assert alone == pair
+
+
 def test_a_distance_of_reference_points_is_read_as_that_of_centres(tmp_path):
     found = read(tmp_path, crowd(by_entity(near(20)), ahead=(1.4, 3.4, 1.4)))
     assert trigger(found) == ("distance", 22.0, None)

@@ -135,9 +135,9 @@ def test_a_catalogue_that_refers_to_itself_is_refused(foreign, tmp_path):
         "<CatalogLocations/>",
         '<CatalogLocations><ManeuverCatalog><Directory path="."/></ManeuverCatalog>'
         "</CatalogLocations>",
-    )
+    ).replace("<Maneuver ", '<CatalogReference catalogName="c" entryName="m"/><Maneuver ')
     with pytest.raises(DataError) as caught:
-        foreign(text, ENTITY='<CatalogReference catalogName="c" entryName="m"/>')
+        foreign(text)
     (issue,) = caught.value.issues
     assert issue.path.startswith("line ")
     assert issue.path.endswith("CatalogReference")

@@ -378,6 +378,38 @@ def test_silence_counts_from_the_last_response_of_anybody(events):
         endpoint.check("anybody")
 
 
+@given(st.floats(0.0, 1e5), st.floats(0.0, 60.0))
+def test_the_time_in_which_nobody_asks_is_no_silence(idle_s, refused_s):
+    clock = Clock()
+    endpoint = Endpoint("e", clock=clock)
+    endpoint.note_failed_attempt(of_kind("unreachable"), begun=0.0)
+    endpoint.note_failed_call(of_kind("unreachable"))
+    begun = clock.now = idle_s
+    for at in (begun, begun + refused_s):
+        clock.now = at
+        endpoint.note_failed_attempt(of_kind("unreachable"), begun=at)
+    silence_s = clock.now - begun
+    if silence_s < PATIENCE_S:
+        endpoint.check()
+    else:
+        with pytest.raises(EndpointDown, match=f"no response for {silence_s:.0f} s"):
+            endpoint.check()
+
+
+def test_what_is_still_asked_while_a_call_fails_counts_as_silence():
+    clock = Clock()
+    endpoint = Endpoint("e", clock=clock)
+    with endpoint.slot():
+        with endpoint.slot() as begun:
+            pass
+        endpoint.note_failed_attempt(of_kind("unreachable"), begun)
+        endpoint.note_failed_call(of_kind("unreachable"))
+        clock.now = PATIENCE_S
+    endpoint.note_failed_attempt(of_kind("unreachable"), begun=PATIENCE_S)
+    with pytest.raises(EndpointDown):
+        endpoint.check()
+
+
 def test_what_hangs_while_others_are_answered_stops_nobody():
     def faults(index, asked):
         return "slow" if asked.sample % 3 == 0 else None

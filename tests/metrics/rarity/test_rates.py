@@ -1,5 +1,6 @@
 """Rates that are read, named or given."""
 
+import numpy as np
 import pytest
 
 from oodscen.errors import DataError, UsageError
@@ -41,6 +42,8 @@ def test_published_rates_have_sources_and_five_wordings():
      "[[rate]]\nevent='x'\nkm=[1,2,inf]\nsource='s'\ntexts=['t']",
      "[[rate]]\nevent='x'\nkm=[1,2,3]\nsource='s'\ntexts=[2026-01-01]",
      "[[rate]]\nevent='x'\nkm=[1,2,3]\nsource='s'\ntexts=['t']\nfoo=1",
+     "[[rate]]\nevent='x'\nkm=[1,2,3]\nsource=' '\ntexts=['t']",
+     "[[rate]]\nevent='x'\nkm=[1,2,3]\nsource='s'\ntexts=['t', '']",
      "foo=1\n[[rate]]\nevent='x'\nkm=[1,2,3]\nsource='s'\ntexts=['t']",
      "[[rate]]\nevent='x'\nkm=[1,2,3]\nsource='s'\ntexts=['t']\n[rates]\nfoo=1",
      "".join(f"[[rate]]\nevent='x'\nkm=[{k},{k},{k}]\nsource='s'\ntexts=['t']\n" for k in (1, 10))],
@@ -73,8 +76,9 @@ def test_rates_from_a_file(tmp_path):
 def test_rates_are_named_given_or_in_a_file(tmp_path):
     assert resolve_rates(None) is None
     assert resolve_rates("published") == published_rates()
-    assert resolve_rates(list(published_rates())) == published_rates()
-    with pytest.raises(DataError):
+    for rates in (list(published_rates()), np.array(published_rates(), dtype=object)):
+        assert resolve_rates(rates) == published_rates()
+    with pytest.raises(DataError, match="there is none"):
         resolve_rates([])
     with pytest.raises(DataError):
         resolve_rates(tmp_path / "missing.toml")

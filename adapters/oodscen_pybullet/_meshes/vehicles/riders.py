@@ -10,6 +10,7 @@ from oodscen_pybullet._meshes.look import Appearance
 from oodscen_pybullet._types import Point
 
 _CRANK_M = 0.16
+"""Length of a crank, m."""
 _STANCE_M = 0.14
 """Distance of a pedal from the bicycle's middle, m."""
 _BEHIND_M, _ABOVE_M = 0.03, 0.1
@@ -17,7 +18,6 @@ _BEHIND_M, _ABOVE_M = 0.03, 0.1
 _FIRST_TURN = 0.6
 """Angle of the right crank at the start of the cycle, rad; the left one is opposite."""
 _BICYCLES = ("blue", "red", "teal")
-_MOTORCYCLES = ("red", "blue", "green")
 
 
 def _pedalling(shown: Appearance, hub: Point) -> tuple[Point, Point]:
@@ -39,8 +39,8 @@ def _ankle(hub: Point, aside: float, turn: float) -> Point:
 
 def cyclist(mesh: MeshBuilder, shown: Appearance) -> None:
     """A person with a helmet on a bicycle."""
-    add_design(mesh, "_bicycle", shown.painted(_BICYCLES[shown.index % 3]))
-    top = ("fluor_yellow", "shirt_red", "shirt_white")[shown.index % 3]
+    add_design(mesh, "_bicycle", shown.painted(_BICYCLES[shown.index]))
+    top = ("fluor_yellow", "shirt_red", "shirt_white")[shown.index]
     riding = Riding((-0.22, 0, 1.0), (0.34, 0.26, 1.05))
     feet = _pedalling(shown, (-0.12, 0, 0.32))
     add_rider(mesh, Clothes(top, "trousers", hat="white"), riding, feet)
@@ -56,8 +56,8 @@ def cargo_bike(mesh: MeshBuilder, shown: Appearance) -> None:
 
 def e_scooter(mesh: MeshBuilder, shown: Appearance) -> None:
     """A person standing on an electric scooter."""
-    top = ("shirt_red", "shirt", "fluor_yellow")[shown.index % 3]
-    clothes = Clothes(top, "jeans", hat=("", "white", "black")[shown.index % 3])
+    top = ("shirt_red", "shirt", "fluor_yellow")[shown.index]
+    clothes = Clothes(top, "jeans", hat=("", "white", "black")[shown.index])
     posture = Posture((0.40, 0.22, 1.0), (0.40, -0.22, 1.0), lean=0.04)
     figure(mesh, clothes, Appearance(), posture)
     mesh.shift((-0.1, 0, 0.17))
@@ -66,11 +66,10 @@ def e_scooter(mesh: MeshBuilder, shown: Appearance) -> None:
 
 def motorcycle(mesh: MeshBuilder, shown: Appearance) -> None:
     """A motorcycle with its rider."""
-    colour = shown.paint if shown.paint in _MOTORCYCLES else _MOTORCYCLES[0]
-    add_design(mesh, "_motorcycle", shown.painted(colour))
+    add_design(mesh, "_motorcycle", shown)
     riding = Riding((-0.3, 0, 0.94), (0.42, 0.34, 1.04), lean=0.34)
     feet = ((-0.06, -0.17, 0.44), (-0.06, 0.17, 0.44))
-    add_rider(mesh, Clothes("black", "trousers", hat=colour), riding, feet)
+    add_rider(mesh, Clothes("black", "trousers", hat=shown.paint), riding, feet)
 
 
 VARIED = (cyclist, cargo_bike, e_scooter, motorcycle)
