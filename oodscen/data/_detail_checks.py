@@ -3,6 +3,7 @@
 from collections.abc import Collection, Iterator, Mapping
 from typing import TYPE_CHECKING
 
+from oodscen._words.text import first_few
 from oodscen.data._base import ROUNDING
 from oodscen.data._category import Category
 from oodscen.data._details import AssetDetails, DetailKinds, Details, Size, posed
@@ -21,6 +22,8 @@ LOADABLE: frozenset[Category] = frozenset({"object", "work_zone", "vegetation"})
 _LOADABLE_WORDS = "things that do not move by themselves"
 LOAD_HEIGHT_M = 3.0
 """Greatest height of a load, m."""
+_MOST_NAMED = 40
+"""Number of names up to which a message lists all of them."""
 
 
 def check_details(
@@ -122,9 +125,12 @@ def _offers(can_show: Mapping[str, bool]) -> str:
 
 
 def unknown_words(noun: str, name: str, allowed: Collection[str]) -> str:
-    """Return the message about an unknown name, with close matches or all names that are allowed."""
-    matches = close_matches(name, allowed)
-    hint = f"known: {', '.join(allowed)}" if allowed else "there are none"
-    if matches:
+    """Return the message about an unknown name, with close matches or the names that are allowed, a few of many."""
+    hint = "there are none"
+    if matches := close_matches(name, allowed):
         hint = f"did you mean {' or '.join(matches)}?"
+    elif len(allowed) > _MOST_NAMED:
+        hint = f"known are {len(allowed)}: {first_few(list(allowed))}"
+    elif allowed:
+        hint = f"known: {', '.join(allowed)}"
     return f"unknown {noun} {name!r}; {hint}"

@@ -15,7 +15,7 @@ from oodscen.driving._motion.behaviours.table import BEHAVIOURS
 from oodscen.driving._motion.world import KinematicWorld
 from oodscen.driving._roads.building import load_corridor
 from oodscen.driving._roads.corridor import Corridor
-from oodscen.driving._sight.placement import staging_issues
+from oodscen.driving._sight.placement import staging_issues, vocabulary_advice
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from oodscen.errors import Issue, SceneError, SimulatorError, UsageError
 from oodscen.protocols import Camera, Control, Frame, Observation, Simulator, State
@@ -124,7 +124,7 @@ class BaseSimulator(Brief, ABC):
         if not issues and isinstance(self, ChecksScenes):
             issues = own_issues(self, scene)
         if issues:
-            raise SceneError(scene.id, issues)
+            raise SceneError(scene.id, [*issues, *vocabulary_advice(scene, catalogue)])
         return load_corridor(scene.map, catalogue), catalogue
 
     def _keep_state(self, state: State) -> State:

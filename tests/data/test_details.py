@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from oodscen.data._catalogue import Asset, BehaviourKind, Catalogue, WeatherRange
-from oodscen.data._detail_checks import check_details
+from oodscen.data._detail_checks import check_details, unknown_words
 from oodscen.data._details import (
     AssetDetails,
     Bed,
@@ -245,3 +245,13 @@ def test_held_things_are_off_the_road_and_in_the_box(how, size, scale, hands_m):
     along = size[1] if place.is_turned else size[0]
     if how != "beside":
         assert along == pytest.approx(min(size[:2]))
+
+
+@given(st.integers(0, 200))
+def test_a_message_about_an_unknown_name_is_short_however_many_names_there_are(count):
+    names = [f"thing_{number:03}" for number in range(count)]
+    message = unknown_words("asset", "qqq", names)
+    assert sum(name in message for name in names) == (count if count <= 40 else 5)
+    assert (f"known are {count}" in message) == (count > 40)
+    assert len(message) < 600
+    assert message.startswith("unknown asset 'qqq'; ")

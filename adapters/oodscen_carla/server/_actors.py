@@ -94,6 +94,11 @@ class ServerActor:
         return self.type_id.startswith("vehicle.")
 
     @property
+    def moves_itself(self) -> bool:
+        """Return whether it is a vehicle that a tick moves; without physics, only a constant velocity does."""
+        return self.is_vehicle and (self.has_physics or self.constant_velocity is not None)
+
+    @property
     def is_walker(self) -> bool:
         """Return whether its blueprint is a walker's."""
         return self.type_id.startswith("walker.")

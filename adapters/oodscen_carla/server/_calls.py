@@ -17,22 +17,14 @@ from oodscen_carla.server._world import World
 
 WITHOUT_EFFECT = frozenset(
     """
-    apply_physics_control disable_sensor_for_ros draw_debug_shape enable_environment_objects
-    enable_sensor_for_ros freeze_all_traffic_lights reset_all_traffic_lights set_actor_autopilot
-    set_actor_collisions set_actor_dead set_actor_enable_gravity
-    set_annotations_traverse_translucency set_pedestrians_cross_factor set_pedestrians_seed
-    set_replayer_time_factor set_wheel_steer_direction show_vehicle_debug_telemetry
-    update_day_night_cycle update_lights_state
+    apply_physics_control draw_debug_shape reset_all_traffic_lights set_actor_autopilot
+    set_actor_collisions set_actor_enable_gravity set_pedestrians_cross_factor set_pedestrians_seed
+    set_wheel_steer_direction update_day_night_cycle update_lights_state
     """.split()
 )
-"""Calls that are accepted and change nothing."""
-EMPTY = frozenset(
-    """
-    cast_ray get_all_level_BBs get_environment_objects get_group_traffic_lights get_light_boxes
-    get_names_of_all_objects get_required_files query_lights_state
-    """.split()
-)
-"""Calls whose answer is an empty list: the served world has none of these things, or does not compute them."""
+"""Calls that are accepted and change nothing, since scripts make them as they begin."""
+EMPTY = frozenset({"get_required_files", "query_lights_state"})
+"""Calls of the client as it connects, whose answer is an empty list: the served world has none of these things."""
 _PREFIX = "rpc_"
 """Beginning of the names of methods that clients call."""
 

@@ -17,7 +17,7 @@ Pair = tuple[ServerActor, ServerActor]
 def collide(
     actors: Iterable[ServerActor], before: Mapping[int, Transform], touched: Set[str]
 ) -> dict[Pair, Vector]:
-    """Stop every driven vehicle that has run into something.
+    """Stop every vehicle that has run into something by itself: driven, or with a velocity.
 
     Args:
         actors: All actors.
@@ -29,18 +29,18 @@ def collide(
     """
     solid = [actor for actor in actors if actor.is_obstacle and not actor.parent]
     contacts: dict[Pair, Vector] = {}
-    driven = {actor for actor in solid if _is_driven(actor, before)}
+    moving = {actor for actor in solid if actor.id in before and actor.moves_itself}
     while True:
         met = _contacts(solid, touched)
         contacts = {
             (car, other): _impulse(car, other) for car in met for other in met[car]
         } | contacts
-        hit = {car for car in driven if {other.id for other in met[car]} - car.touching}
+        hit = {car for car in moving if {other.id for other in met[car]} - car.touching}
         for car in hit:
             car.place = before[car.id]
             car.stop()
         # Where they stand now, something else may have run into them.
-        driven -= hit
+        moving -= hit
         if not hit:
             break
     for car, others in met.items():
@@ -51,12 +51,6 @@ def collide(
 def _impulse(car: ServerActor, other: ServerActor) -> Vector:
     x, y, z = (MASS_KG * (a - b) for a, b in zip(car.velocity, other.velocity, strict=True))
     return x, y, z
-
-
-def _is_driven(actor: ServerActor, before: Mapping[int, Transform]) -> bool:
-    return (
-        actor.is_vehicle and actor.control is not None and actor.has_physics and actor.id in before
-    )
 
 
 def _contacts(

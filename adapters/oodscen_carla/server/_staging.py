@@ -8,7 +8,7 @@ from oodscen.driving import KinematicWorld
 from oodscen.driving._motion.actions import action_driver
 from oodscen.driving._motion.triggers import ROUNDING_S
 from oodscen.driving._roads.building import load_corridor
-from oodscen.driving._sight.placement import staging_issues
+from oodscen.driving._sight.placement import staging_issues, vocabulary_advice
 from oodscen.errors import SceneError
 from oodscen.protocols import Control
 from oodscen_carla.server._actors import VehicleControl
@@ -28,7 +28,7 @@ class ServedScene:
             SceneError: If the catalogue or the road refuses the scene.
         """
         if issues := staging_issues(scene, catalogue):
-            raise SceneError(scene.id, issues)
+            raise SceneError(scene.id, [*issues, *vocabulary_advice(scene, catalogue)])
         self.scene = scene
         self.world = KinematicWorld(load_corridor(scene.map, catalogue), scene, catalogue, seed)
         self._cruise = action_driver("keep_speed")

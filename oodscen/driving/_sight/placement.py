@@ -20,7 +20,7 @@ from oodscen.driving._sight.scene_checks import (
     touch,
     truth_issues,
 )
-from oodscen.errors import DataError, Issue, UnknownComponent
+from oodscen.errors import DataError, Issue, UnknownComponent, close_matches
 from oodscen.protocols import camera_for
 
 DT = 0.05
@@ -96,6 +96,20 @@ def staging_issues(scene: Scene, catalogue: Catalogue) -> list[Issue]:
         return issues
     world = KinematicWorld(corridor, scene, catalogue, 0)
     return overlap_issues(scene, corridor, {"first": bodies(scene, catalogue, world.poses())})
+
+
+def vocabulary_advice(scene: Scene, catalogue: Catalogue) -> list[Issue]:
+    """Return what to do about a scene with an asset that resembles none of the catalogue's, for who runs it."""
+    known = [asset.id for asset in catalogue.for_scene(scene).assets]
+    if all(
+        actor.asset in known or close_matches(actor.asset, known) for _, actor in _all_actors(scene)
+    ):
+        return []
+    advice = (
+        f"the scene is not in the words of the catalogue {catalogue.simulator!r}: use the simulator that it was "
+        "written for, or one that is made with the catalogue of that"
+    )
+    return [Issue("", advice)]
 
 
 def _map_state_issues(scene: Scene, corridor: Corridor) -> list[Issue]:

@@ -1,13 +1,15 @@
 """CARLA's catalogue: valid data without CARLA, with what it lacks named as the reason."""
 
 import pytest
-from oodscen_carla import load_catalogue
+from oodscen_carla import CarlaSimulator, load_catalogue
 
 from oodscen._paper import ATTESTED
 from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.author._realisation import realise
 from oodscen.data._catalogue import Catalogue
+from oodscen.errors import SceneError
 from oodscen.prompts._digest import CatalogueDigest
+from oodscen.testing import example_scene
 
 CATALOGUE = load_catalogue()
 DIGEST = CatalogueDigest.of(CATALOGUE)
@@ -72,3 +74,13 @@ def test_towns_have_no_files_and_say_what_they_have():
         line = next(line for line in DIGEST.maps if line.id == road.id)
         assert line.landmarks == ()
         assert line.somewhere == road.landmarks
+
+
+def test_a_scene_in_the_words_of_another_simulator_is_refused_in_short_lines_that_say_what_to_do():
+    with pytest.raises(SceneError) as refused, CarlaSimulator("127.0.0.1:1") as simulator:
+        simulator.reset(example_scene(), 0)
+    first, *faults, advice = str(refused.value).splitlines()
+    assert [fault.split(":")[0] for fault in faults] == ["  - actors[0].asset"]
+    assert f"known are {len(simulator.catalogue().assets)}: " in faults[0]
+    assert "the catalogue 'carla'" in advice
+    assert max(map(len, (first, *faults, advice))) < 300

@@ -2,7 +2,7 @@ import pytest
 
 from oodscen.data._scene import Hazard, Trigger
 from oodscen.data._weather import Weather
-from oodscen.driving._sight.placement import check_scene, staging_issues
+from oodscen.driving._sight.placement import check_scene, staging_issues, vocabulary_advice
 from oodscen.driving.maps._shipped import SHIPPED_MAPS
 from tests.driving.staging import CATALOGUE, actor, scene
 
@@ -110,3 +110,13 @@ def test_the_weather_of_the_twin_is_checked() -> None:
 def test_all_issues_are_listed_at_once() -> None:
     staged = scene(actor("a", lane=5), actor("b", "cone", offset=20.0), actor("c", lane=-3))
     assert len(staging_issues(staged, CATALOGUE)) == 3
+
+
+@pytest.mark.parametrize(
+    ("asset", "is_foreign"), [("cardboard_box", False), ("cardbord_box", False), ("qqqqq", True)]
+)
+def test_a_scene_in_the_words_of_another_catalogue_is_told_what_to_do(asset, is_foreign) -> None:
+    staged = scene(actor("a", asset), actor("b", asset))
+    advice = vocabulary_advice(staged, CATALOGUE)
+    assert len(advice) == is_foreign
+    assert all(repr(CATALOGUE.simulator) in issue.message for issue in advice)

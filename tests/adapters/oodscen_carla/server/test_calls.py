@@ -1,6 +1,8 @@
 """Calls change the served world as CARLA's would, and whatever is wrong has a clear answer."""
 
 import math
+import re
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -12,6 +14,7 @@ from oodscen_carla.server._episode_calls import EpisodeCalls
 from oodscen_carla.server._motion_calls import MotionCalls
 from oodscen_carla.server._traffic_manager_calls import TrafficManagerCalls
 
+PAGE = Path(__file__).parents[4] / "docs/carla.md"
 CAR = "vehicle.tesla.model3"
 PROCEDURES = sorted(
     name[4:]
@@ -26,6 +29,51 @@ def test_an_unknown_procedure_is_refused_by_name(served):
     message = served.error("set_traffic_light_state")
     assert "'set_traffic_light_state' is not supported" in message
     assert served.told == [f"refused set_traffic_light_state: {message}"]
+
+
+UNANSWERED = """
+    cast_ray disable_sensor_for_ros enable_environment_objects enable_sensor_for_ros
+    freeze_all_traffic_lights get_all_level_BBs get_environment_objects get_group_traffic_lights
+    get_light_boxes get_names_of_all_objects set_actor_dead set_annotations_traverse_translucency
+    set_replayer_time_factor show_vehicle_debug_telemetry
+""".split()
+
+
+@pytest.mark.parametrize("name", UNANSWERED)
+def test_what_the_server_cannot_answer_or_do_is_refused_by_name(served, name):
+    assert f"{name!r} is not supported" in served.error(name, 1, 2)
+
+
+IN_PYTHON = {
+    "apply_physics_control": "apply_physics_control",
+    "draw_debug_shape": "world.debug",
+    "get_required_files": "get_required_files",
+    "query_lights_state": "get_lightmanager",
+    "reset_all_traffic_lights": "reset_all_traffic_lights",
+    "set_actor_autopilot": "set_autopilot",
+    "set_actor_collisions": "set_collisions",
+    "set_actor_enable_gravity": "set_enable_gravity",
+    "set_pedestrians_cross_factor": "set_pedestrians_cross_factor",
+    "set_pedestrians_seed": "set_pedestrians_seed",
+    "set_wheel_steer_direction": "set_wheel_steer_direction",
+    "update_day_night_cycle": "get_lightmanager",
+    "update_lights_state": "get_lightmanager",
+}
+"""Names in the client's Python of the calls that are accepted and do nothing."""
+
+
+def test_the_page_lists_every_call_that_does_nothing():
+    page = PAGE.read_text(encoding="utf-8")
+    assert IN_PYTHON.keys() == WITHOUT_EFFECT | EMPTY
+    assert [name for name in IN_PYTHON.values() if f"`{name}`" not in page] == []
+
+
+def test_the_page_lists_no_command_that_python_cannot_send():
+    commands = pytest.importorskip("carla").command
+    (row,) = re.findall(r"^\| batches \| (.*) \|$", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    listed = re.findall(r"`(\w+)`", row)
+    assert len(listed) > 5
+    assert [name for name in listed if not hasattr(commands, name)] == []
 
 
 def test_what_has_no_effect_succeeds_and_what_is_missing_is_empty(served):

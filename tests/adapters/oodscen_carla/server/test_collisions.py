@@ -1,4 +1,4 @@
-"""Driven cars stop at what they hit, whatever the order of spawning, and get away again."""
+"""Cars stop at what they hit, whatever moves them and in whatever order they spawn, and get away again."""
 
 from itertools import permutations
 
@@ -20,6 +20,18 @@ def drive(served: Served, car: int, speed: float) -> None:
     """Give a car full throttle and a speed."""
     served.get("apply_control_to_vehicle", car, GO)
     served.world.actors[car].speed = speed
+
+
+def start(served: Served, car: int, speed: float, motion: str) -> None:
+    """Let a car that faces along x drive at a speed, or give it a velocity once or for good."""
+    call = {"target": "set_actor_target_velocity", "constant": "enable_actor_constant_velocity"}
+    if motion in call:
+        served.get(call[motion], car, [speed, 0.0, 0.0])
+    else:
+        drive(served, car, speed)
+
+
+MOTIONS = st.sampled_from(("throttle", "target", "constant"))
 
 
 def x_of(served: Served, car: int) -> float:
@@ -56,18 +68,46 @@ def test_a_queue_that_runs_into_something_stops_whole_in_any_order(served, order
 )
 @given(
     st.permutations(range(5)),
-    st.lists(st.sampled_from((-40.0, 0.0, 10.0, 40.0)), min_size=5, max_size=5),
+    st.lists(st.tuples(st.sampled_from((-40.0, 0.0, 10.0, 40.0)), MOTIONS), min_size=5, max_size=5),
     st.sampled_from((0.05, 0.3)),
 )
-def test_no_driven_cars_overlap_that_did_not_before(served, order, speeds, dt):
+def test_no_moving_cars_overlap_that_did_not_before(served, order, starts, dt):
     served.world.load()
     served.world.settings = served.world.settings._replace(fixed_step_s=dt)
     cars = [served.spawn(CAR, 100.0 + 6.0 * place, Y) for place in order]
-    for car, speed in zip(cars, speeds, strict=True):
-        drive(served, car, speed)
+    for car, (speed, motion) in zip(cars, starts, strict=True):
+        start(served, car, speed, motion)
     for _ in range(6):
         served.get("tick_cue")
         assert not overlapping(served, cars)
+
+
+@pytest.mark.parametrize(("motion", "most"), [("target", 1), ("constant", 50)])
+def test_a_car_with_a_velocity_stops_at_what_it_hits_and_a_constant_one_hits_again(
+    served, motion, most
+):
+    car, wall = served.spawn(CAR, 100.0, Y), served.spawn(HAY, 106.0, Y)
+    start(served, car, 10.0, motion)
+    told = []
+    for _ in range(50):
+        served.get("tick_cue")
+        told += hits(served)
+        assert not overlapping(served, [car, wall])
+    assert x_of(served, wall) == 106.0
+    assert set(told) == {(car, wall)}
+    assert 0.8 * most < len(told) <= most
+    assert served.world.actors[car].speed == 0.0
+
+
+def test_a_car_without_physics_keeps_the_speed_that_its_script_tells_wherever_it_is_put(served):
+    car = served.spawn(CAR, 100.0, Y)
+    served.spawn(CAR, 106.0, Y)
+    served.get("set_actor_simulate_physics", car, False)
+    for x in (101.0, 102.0, 103.0):
+        served.get("set_actor_location", car, [x, Y, 0.0])
+        served.get("set_actor_target_velocity", car, [20.0, 0.0, 0.0])
+        served.get("tick_cue")
+        assert (x_of(served, car), served.world.actors[car].speed) == (x, 20.0)
 
 
 def test_cars_that_meet_both_stop_and_tell_of_it(served):
