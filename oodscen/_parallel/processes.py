@@ -371,11 +371,17 @@ def _answer(call: bytes) -> bytes:
         if signal.getsignal(signal.SIGTERM) is signal.SIG_IGN:  # The process was told to leave.
             raise
         return _portable(BrokenProcessPool("it raised KeyboardInterrupt"))
+    except SystemExit:
+        raise
     except Exception as error:
         if not isinstance(error, OodscenError):
             trace = "".join(traceback.format_exception(error))
             error.add_note(f"In a worker process:\n{trace}")
         return _portable(error)
+    except (
+        BaseException
+    ) as error:  # Such as a cancelled task, which would end the process without a word.
+        return _portable(BrokenProcessPool(f"it raised {type(error).__name__}: {error}"))
 
 
 def _portable(error: Exception) -> bytes:

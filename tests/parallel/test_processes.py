@@ -78,6 +78,9 @@ def test_a_call_that_kills_its_process_costs_no_other(pool):
     killed = pool.submit(exec, "import os; os.kill(os.getpid(), 9)")
     with pytest.raises(BrokenExecutor, match="SIGKILL"):
         killed.result()
+    cancelled = pool.submit(exec, "import asyncio; raise asyncio.CancelledError('late')")
+    with pytest.raises(BrokenExecutor, match="it raised CancelledError: late"):
+        cancelled.result()
     ended = pool.submit(exec, "import os, time; os.kill(os.getpid(), 15); time.sleep(60)")
     with pytest.raises(BrokenExecutor, match="exit code 143"):
         ended.result()

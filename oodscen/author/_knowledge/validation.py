@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 
+from oodscen._words.wording import wording_fault
 from oodscen.author._knowledge.base import Clash, Driving, HazardKind, Knowledge, Recipe
 from oodscen.author._knowledge.loading import file_of, gather, own_files
 from oodscen.author._writing.agreement import Agreement, PlaceAndTime
@@ -162,6 +163,8 @@ def _phrasing_faults(event: str) -> Iterable[str]:
         yield "the only placeholder is {where}, at most once"
     if not 20 <= len(event) <= 260:
         yield "must have 20 to 260 characters"
+    if fault := wording_fault(event.replace("{where}", "")):
+        yield fault
 
 
 def _recipe_faults(recipe: Recipe) -> Iterable[Issue]:

@@ -264,6 +264,13 @@ trigger = { kind = "ttc", value = 3.0, actor = "cello" }
     }
 
 
+@pytest.mark.parametrize("hidden", [r"\u0000", r"\u202e", "<b>"])
+def test_an_event_that_is_not_plain_words_is_a_fault(hidden: str, tmp_path: Path) -> None:
+    path = tmp_path / "own.toml"
+    path.write_text(GOOD.replace("A grand piano stands", f"A grand {hidden}piano stands"))
+    assert any(fault.path.endswith(": events[0]") for fault in validate_knowledge(path))
+
+
 STAGE = """
 [hazard.stage]
 speed = 9.0
