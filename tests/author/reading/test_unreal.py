@@ -68,6 +68,8 @@ PLAIN = (
     "A news van stands in the {}.",
     "Warning lights of a lorry flash in the {}.",
     "{} drives away a cow.",
+    "{} approaches the road from a field.",
+    "{} is coming up from the river.",
 )
 
 
