@@ -87,7 +87,8 @@ _USED_IN_WEATHER = re.compile(
     re.IGNORECASE,
 )
 _OBJECTS = "barrels? butts? jackets? gauges? ponchos? lamp shifts? clubs? express".split()
-_ACTORS = "bus taxi train tram owl watchman guard porter nurse patrol crew".split()
+_NAMED_AFTER = "sign signpost poster map model bus taxi train tram owl watchman guard porter nurse patrol crew".split()
+"""Nouns that a road, an hour or weather before them describes."""
 _SERVING = "vehicle car van lorry truck train boat engine helicopter convoy drone robot team crew gang party unit worker".split()
 """Nouns for those that maintain, inspect, survey or clean a road, or rescue people there."""
 
@@ -101,9 +102,9 @@ def _noun_pattern(nouns: Iterable[str], serving: Iterable[str], end: str) -> re.
     )
 
 
-_DESCRIBED = _noun_pattern([*_OBJECTS, *_ACTORS], _SERVING, "")
-_DESCRIBED_PLURAL = _noun_pattern(map(plural_of, _ACTORS), map(plural_of, _SERVING), "")
-_DESCRIBED_WITH_MORE = _noun_pattern(_ACTORS, _SERVING, r" [\w-]*\w\ws")
+_DESCRIBED = _noun_pattern([*_OBJECTS, *_NAMED_AFTER], _SERVING, "")
+_DESCRIBED_PLURAL = _noun_pattern(map(plural_of, _NAMED_AFTER), map(plural_of, _SERVING), "")
+_DESCRIBED_WITH_MORE = _noun_pattern(_NAMED_AFTER, _SERVING, r" [\w-]*\w\ws")
 _AT_AN_HOUR = re.compile(
     r"\bat (?:night|nightfall|midnight|dusk|dawn|daybreak|noon|midday|sunset|sunrise)$",
     re.IGNORECASE,

@@ -38,6 +38,7 @@ _FILLINGS = {
     "{number}": NUMBER,
     "{free_of}": r"(?:free|devoid|empty|void|bare) (?:of|from)|(?:is|are|was|were|looks|stays) (?:\w+ly )?clear of",
     "{count}": COUNT,
+    "{perhaps}": "(?:perhaps|maybe|possibly|probably|presumably|supposedly|allegedly|reportedly|apparently|seemingly|conceivably)",
     **{british: f"(?:{british}|{american})" for british, american in AMERICAN.items()},
     "{n}": r"(two|three|four|five|six|eight|one|a single|single|[1-8])",
 }

@@ -46,16 +46,16 @@ def is_unreal(kind: Kind, match: re.Match[str], mentioned: Iterable[Mention]) ->
         return True
     if kind == "ego":
         return _DENIAL.search(match.group(0)) is not None
-    if kind not in ("weather", "time", "road"):
-        return kind != "traffic" and phrases.context("denied").search(before) is not None
-    if phrases.context("denied").search(before) or _is_quoted(match):
+    if kind != "traffic" and phrases.context("denied").search(before):
         return True
-    if _is_in_a_name(kind, match, mentioned):
+    if _is_said(kind, before, after) or phrases.context("supposed").search(before):
+        return True
+    if kind not in ("weather", "time", "road"):
+        return False
+    if _is_quoted(match) or _is_in_a_name(kind, match, mentioned):
         return True
     return kind != "road" and (
-        _is_said(before, after)
-        or phrases.context("supposed").search(before) is not None
-        or _is_at_another_time(kind, match, before, after)
+        _is_at_another_time(kind, match, before, after)
         or _is_proper_name(match, before)
         or _is_first_name(match, before, mentioned)
         or _is_figurative(match.group(0), before, after)
@@ -93,13 +93,17 @@ def _is_in_a_name(kind: Kind, match: re.Match[str], mentioned: Iterable[Mention]
     return phrases.context("noun_before").match(text[end : noun.start]) is not None
 
 
-def _is_said(before: str, after: str) -> bool:
+def _is_said(kind: Kind, before: str, after: str) -> bool:
     """Return whether the words are those of a sign or a speaker, or a name that is given."""
-    return bool(
-        phrases.context("named").search(before)
-        or phrases.context("says").search(before)
-        or phrases.context("is_said").match(after)
+    if phrases.context("named").search(before) or phrases.context("is_said").match(after):
+        return True
+    said = phrases.context("says").search(before)
+    is_place = (
+        kind not in ("weather", "time")
+        and said
+        and phrases.context("at_place").search(said.group(0))
     )
+    return bool(said) and not is_place
 
 
 def _is_at_another_time(kind: Kind, match: re.Match[str], before: str, after: str) -> bool:

@@ -51,6 +51,25 @@ PLAIN = (
     "{} covers both lanes.",
     "{} has not stopped, and a cow stands in the lane.",
     "{} is not over.",
+    "{} is coming down on the road.",
+    "{} has replaced the sun.",
+    "A sign stands in the {}.",
+    "A radio lies on the road in the {}.",
+    "A perhaps injured man lies in the {}.",
+    "In the {} a box, perhaps a parcel, lies ahead.",
+    "A driver talks to a guard in the {}.",
+    "A van that used to be red stands in the {}.",
+    "There is {} this morning.",
+    "The cow was lost, and this morning {} hides it.",
+    "In the {} a speaker says 60.",
+    "The cow will soon be lost; {} hides it.",
+    "Soon after dusk a cow stands in the {}.",
+    "The ego can hardly see the cow in the {}.",
+    "A news van stands in the {}.",
+    "Warning lights of a lorry flash in the {}.",
+    "{} drives away a cow.",
+    "{} approaches the road from a field.",
+    "{} is coming up from the river.",
 )
 
 
@@ -86,6 +105,54 @@ OVER = (
     "After hours of {} a cow stands here.",
     "Earlier {} has left the road soft.",
     "The {} was bad but now the view is good.",
+    "The sun has replaced the {}.",
+    "Wind replaces the {}.",
+    "Sun follows the {}.",
+    "A storm has driven away the {}.",
+    "There was {} this morning.",
+    "Early this morning there was {}.",
+    "There had been {} earlier today.",
+    "There used to be {} here.",
+    "{} used to fall here.",
+    "The sun has chased the {} away.",
+    "There was {} until noon.",
+    "Formerly there was {}.",
+)
+TO_COME = (
+    "{} is coming.",
+    "{} is coming soon.",
+    "{} is on its way.",
+    "{} is approaching from the north.",
+    "There will be {}.",
+    "There will soon be {}.",
+    "There is {} tomorrow.",
+    "Tomorrow there is {}.",
+    "Soon there is {}.",
+    "Later there is {}.",
+    "{} approaches.",
+    "There is {} in an hour.",
+    "There is going to be {}.",
+)
+SUPPOSED = (
+    "Perhaps there is {}.",
+    "Maybe, there is {}.",
+    "There is probably {}.",
+    "Supposedly the {} falls.",
+    "There is {}, presumably.",
+    "Should there be {}, the road floods.",
+    "Should {} fall, the road floods.",
+    "Were there {}, the road would flood.",
+    "Could there be {}?",
+    "The driver thinks there is {}.",
+    "The driver fears {}.",
+    "The driver dreams of {}.",
+    "{} is feared.",
+    "Assuming there is {}, the road floods.",
+    "Had there been {}, the road would be wet.",
+    "There can be {} here.",
+    "There is a possibility of {}.",
+    "There is supposed to be {}.",
+    "{} may hang over the road.",
 )
 SAID = (
     "A sign that says {} stands beside the road.",
@@ -95,6 +162,28 @@ SAID = (
     "The weather app says there is {}.",
     "'{}', says a billboard.",
     "{} says a billboard.",
+    "The radio speaks of {}.",
+    "The radio is speaking about {}.",
+    "The radio mentions {}.",
+    "The radio talks about {}.",
+    "A speaker tells of {} on the road.",
+    "A speaker told the driver about {}.",
+    "A sign tells of {}.",
+    "A sign points to {} ahead.",
+    "A sign refers to {}.",
+    "There is talk of {} on the radio.",
+    "A report of {} comes in.",
+    "According to the radio there is {}.",
+    "According to the radio, there is {}.",
+    "There is {}, according to the radio.",
+    "There is {} ahead, the radio says.",
+    "{} is reported ahead.",
+    "The news is that there is {}.",
+    "The radio informs the driver of {}.",
+    "The driver is told that there is {}.",
+    "A sign indicates {}.",
+    "A map of {} lies on the road.",
+    "A man complains about the {}.",
 )
 FIGURES = (
     "A {} of gravel falls from a lorry.",
@@ -114,7 +203,9 @@ NAMES = (
 )
 
 
-@pytest.mark.parametrize(("text", "value"), each((*DENIALS, *OVER, *SAID, *NAMES), WEATHER))
+@pytest.mark.parametrize(
+    ("text", "value"), each((*DENIALS, *OVER, *TO_COME, *SUPPOSED, *SAID, *NAMES), WEATHER)
+)
 def test_weather_that_is_only_mentioned_is_not_claimed(text, value):
     assert not settings(text) - {"day"}
 
@@ -139,6 +230,17 @@ def test_weather_in_a_figure_of_speech_is_not_claimed(text, value):
             "It had been {}ing before a cow came.",
             "The wipers run as if it were {}ing.",
             "The weather app says it is {}ing.",
+            "It used to {} here.",
+            "Perhaps it {}s.",
+            "Perhaps it is {}ing.",
+            "Supposedly it {}s.",
+            "Should it {}, the road floods.",
+            "Were it to {}, the road would flood.",
+            "It {}s tomorrow.",
+            "It will be {}ing.",
+            "According to the radio it is {}ing.",
+            "It is {}ing, says the radio.",
+            "It was {}ing this morning.",
         ),
         VERBS,
     ),
@@ -150,7 +252,14 @@ def test_what_does_not_fall_is_not_claimed(text, value):
 
 @pytest.mark.parametrize("verb", ["raining", "snowing", "drizzling"])
 def test_what_falls_is_claimed(verb):
-    for text in ("It is {}.", "It has been {} for hours.", "It was {} when a cow came."):
+    for text in (
+        "It is {}.",
+        "It has been {} for hours.",
+        "It has been {} all morning and the road is wet.",
+        "It was {} when a cow came.",
+        "It was {} this morning when a cow came.",
+        "This morning it is {}.",
+    ):
         assert settings(text.format(verb))
 
 
@@ -162,6 +271,10 @@ def test_what_falls_is_claimed(verb):
             "The windscreen is all {}.",
             "A {} memory of a cow.",
             "It might be {}.",
+            "It was {} this morning.",
+            "It will be {}.",
+            "Perhaps it is {}.",
+            "Supposedly it is {}.",
             "A {} windscreen hides the cow.",
         ),
         ADJECTIVES,
@@ -183,6 +296,67 @@ def test_an_adjective_of_the_weather_is_claimed(word, value):
 )
 def test_title_case_makes_no_name_of_the_weather(text, value):
     assert value in settings(" ".join(word.capitalize() for word in text.split()))
+
+
+ROADS = {"tunnel": "tunnel", "roundabout": "roundabout", "motorway": "highway", "bridge": "bridge"}
+
+
+def roads(text):
+    return {claim.value for claim in read_claims(text) if claim.kind == "road"}
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    each(
+        (
+            "A sign announces a {}.",
+            "A sign warns of a narrow {}.",
+            "A sign says that a {} lies ahead.",
+            "A sign shows a {}.",
+            "A sign for a {} lies in the ego's lane.",
+            "The radio speaks of the {}.",
+            "The {} sign lies on the road.",
+            "The old {} signs lie on the road.",
+            "Perhaps there is a {} ahead.",
+        ),
+        ROADS,
+    ),
+)
+def test_a_road_that_is_only_mentioned_is_not_claimed(text, value):
+    assert not roads(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    each(
+        (
+            "A sign stands in the {}.",
+            "A sign announces 60 on the {}.",
+            "A sign that says 60 lies in the {}.",
+            "The radio warns of ice in the {}.",
+            "On a {} signs lie on the road.",
+            "A cow, perhaps lost, stands in the {}.",
+            "A driver tells a guard of a cow on the {}.",
+        ),
+        ROADS,
+    ),
+)
+def test_a_road_with_signs_is_claimed(text, value):
+    assert roads(text) == {value}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "A sign says that there are two lanes in each direction.",
+        "The radio speaks of dense traffic.",
+        "According to the radio there is dense traffic.",
+        "Perhaps there is dense traffic.",
+        "A truck bears a photo of an empty road.",
+    ],
+)
+def test_lanes_and_traffic_that_are_only_mentioned_are_not_claimed(text):
+    assert not {"own_lanes", "road", "traffic"} & {claim.kind for claim in read_claims(text)}
 
 
 @pytest.mark.parametrize("name", ["Misty", "Foggy", "Dusk", "Dawn", "Sunny", "Fog"])
@@ -235,6 +409,10 @@ def test_weather_and_hours_at_the_start_of_a_sentence_are_claimed(text, value):
             "It is not {}.",
             "The {} has passed.",
             "It looks as if it were {}.",
+            "Perhaps it is {}.",
+            "{} is coming.",
+            "The radio speaks of {}.",
+            "According to the radio it is {}.",
         ),
         HOURS,
     ),
@@ -284,7 +462,15 @@ def things(text):
 
 def test_animals_do_not_fall_from_the_sky():
     assert not things("It is raining cats and dogs.")
+    assert settings("It is raining cats and dogs.") == {"rain"}
     assert things("In the rain cats and dogs cross the road.") == {"cat", "dog"}
+
+
+@pytest.mark.parametrize(
+    "saying", ["The radio speaks of", "The radio mentions", "A sign warns of", "A man tells of"]
+)
+def test_a_thing_that_is_only_mentioned_is_not_there(saying):
+    assert "cow" not in things(f"{saying} a cow.")
 
 
 @pytest.mark.parametrize("bearer", ["robot", "delivery robot", "juggler", "tall statue"])
