@@ -231,7 +231,9 @@ def test_motions_that_cannot_be_played_are_refused_beside_all_other_faults() -> 
     staged = staged.model_copy(update={"motions": (Motion.model_validate(STREAM),)})
     with pytest.raises(SceneError) as caught:
         Engine().reset(staged, 0)
-    assert [issue.path for issue in caught.value.issues] == ["actors[1].asset", "motions"]
+    *faults, advice = caught.value.issues
+    assert [issue.path for issue in faults] == ["actors[1].asset", "motions"]
+    assert "use the simulator that it was written for" in advice.message
 
 
 def test_a_simulator_refuses_scenes_by_its_own_check() -> None:
