@@ -326,9 +326,8 @@ def serve(connection: Connection) -> None:
                     os._exit(1)  # The child of a call that has forked.
                 connection.send_bytes(answer)
     except KeyboardInterrupt:
-        sys.exit(
-            128 + signal.SIGTERM
-        )  # As a shell reports it, in case that the call itself sent the signal.
+        # As a shell reports it: the call itself may have sent the signal.
+        sys.exit(128 + signal.SIGTERM)
     except OSError:  # Nobody takes the answer.
         _is_abandoned = True
     finally:
@@ -378,9 +377,8 @@ def _answer(call: bytes) -> bytes:
             trace = "".join(traceback.format_exception(error))
             error.add_note(f"In a worker process:\n{trace}")
         return _portable(error)
-    except (
-        BaseException
-    ) as error:  # Such as a cancelled task, which would end the process without a word.
+    except BaseException as error:
+        # Such as a cancelled task, which would end the process without a word.
         return _portable(BrokenProcessPool(f"it raised {type(error).__name__}: {error}"))
 
 

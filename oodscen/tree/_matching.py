@@ -83,14 +83,12 @@ def match(
         roots = first.nodes[0].id, second.nodes[0].id
         pairs.add(*roots, "id" if roots[0] == roots[1] else "label")
     _pair_by_shared_log(first, second, pairs)
-    for after, places in earlier_places(first, second).items():
-        for before in places:
-            if _is_leaf(first, before) == _is_leaf(second, after):
-                pairs.add(before, after, "id")
-    for before, places in earlier_places(second, first).items():
-        for after in places:
-            if _is_leaf(first, before) == _is_leaf(second, after):
-                pairs.add(before, after, "id")
+    in_first, in_second = earlier_places(first, second), earlier_places(second, first)
+    recorded = [(place, node) for node, places in in_first.items() for place in places]
+    recorded += [(node, place) for node, places in in_second.items() for place in places]
+    for before, after in recorded:
+        if _is_leaf(first, before) == _is_leaf(second, after):
+            pairs.add(before, after, "id")
     _ByIdAndLabel(first, second, pairs).pair()
     if encoder is not None:
         _pair_by_meaning(first, second, pairs, encoder, threshold)

@@ -145,9 +145,9 @@ def _print(rows: "Sequence[Faithfulness | Unjudged]", *, as_json: bool) -> int:
     unjudged = [row for row in rows if isinstance(row, Unjudged)]
     claims = sum(len(row.findings) for row in judged)
     unfaithful = sum(not row.is_faithful for row in judged)
+    faults = unfaithful + len(unjudged)
     if as_json:
         content = [row.model_dump(mode="json") for row in rows]
-        faults = unfaithful + len(unjudged)
         say(canonical_json({"scenes": content, "claims": claims, "unfaithful": faults}))
         return faults
     for faithfulness in judged:
@@ -158,7 +158,7 @@ def _print(rows: "Sequence[Faithfulness | Unjudged]", *, as_json: bool) -> int:
             say(f"{row.id}: {fault}")
     unchecked = f"; {len(unjudged)} more could not be checked" if unjudged else ""
     say(f"{len(judged)} scenes, {claims} claims, {unfaithful} unfaithful scenes{unchecked}")
-    return unfaithful + len(unjudged)
+    return faults
 
 
 def _values(kind: type[Value], path: Path) -> Iterator[tuple[int, Value | tuple[str, ...]]]:

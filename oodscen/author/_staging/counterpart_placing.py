@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from oodscen.author._staging.background_traffic import along
 from oodscen.author._staging.layout import Cast, Layout
-from oodscen.author._writing.counterpart import Counterpart
+from oodscen.author._writing.ordinary_road_user import OrdinaryRoadUser
 from oodscen.data._scene import Actor, Behaviour, Placement
 
 _HEADWAY_S, _STANDSTILL_M, _FARTHEST_M = 0.9, 8.0, 55.0
@@ -21,15 +21,15 @@ _IN_VIEW_RATIOS = (2.1, 2.4)
 
 
 def placed_counterpart(
-    counterpart: Counterpart, layout: Layout, hazard: Actor, decision_s: float
+    road_user: OrdinaryRoadUser, layout: Layout, hazard: Actor, decision_s: float
 ) -> dict[str, Actor]:
     """Return the ordinary road user in the place of a hazard, by the hazard's id; empty if the simulator has none."""
-    name = "follow_lane" if counterpart.is_ahead else "walk_along"
+    name = "follow_lane" if road_user.is_ahead else "walk_along"
     behaviours = {kind.id for kind in layout.digest.behaviours}
-    if name not in behaviours or not layout.assets.keys() >= set(counterpart.assets):
+    if name not in behaviours or not layout.assets.keys() >= set(road_user.assets):
         return {}
     gap = _gap_at_decision(hazard, layout, decision_s)
-    if counterpart.is_ahead:
+    if road_user.is_ahead:
         least = _least_gap(layout)
         placement = Placement(ahead_m=round(min(max(gap, least), max(_FARTHEST_M, least)), 2))
         behaviour = Behaviour(name=name, parameters={"speed": layout.speed})
@@ -41,7 +41,7 @@ def placed_counterpart(
             ahead_m=round(ahead, 2), lane=-layout.ego_lane, offset_m=aside, heading_deg=0.0
         )
         behaviour = Behaviour(name=name, parameters={"speed": _WALKING_MPS})
-    asset = layout.choose(counterpart.assets, ())
+    asset = layout.choose(road_user.assets, ())
     return {hazard.id: Actor(id=hazard.id, asset=asset, placement=placement, behaviour=behaviour)}
 
 

@@ -26,7 +26,7 @@ from oodscen.author._staging.lanes import with_ego_lane, with_variant
 from oodscen.author._staging.layout import Cast, Layout
 from oodscen.author._staging.told import Told
 from oodscen.author._staging.weather import draw_weather
-from oodscen.author._writing.counterpart import counterpart_of
+from oodscen.author._writing.ordinary_road_user import ordinary_road_user
 from oodscen.claims._roads import holds_by_traits, road_claims
 from oodscen.claims._things import may_be
 from oodscen.data._scene import Actor, Ego, Hazard
@@ -172,7 +172,7 @@ def _with_counterparts(
     hazard = next((actor for actor in cast.actors if actor.id == decisive), None)
     if hazard is None:
         return cast
-    road_user = counterpart_of(told.hazard, told.text, told.place)
+    road_user = ordinary_road_user(told.hazard, told.text, told.place)
     if road_user is not None and not told.is_quiet and hazard.id in cast.unusual:
         twin = placed_counterpart(road_user, layout, hazard, decision_s)
         return cast._replace(unusual={**cast.unusual, **twin})

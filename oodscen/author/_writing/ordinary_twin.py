@@ -16,8 +16,8 @@ from oodscen.author._reading.ego_naming import Name, clause_with_ego_named
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._writing.agreement import Agreement, PlaceAndTime
 from oodscen.author._writing.constructions import KEEPS_ON, nominal, standing
-from oodscen.author._writing.counterpart import counterpart_of
 from oodscen.author._writing.headline import headline
+from oodscen.author._writing.ordinary_road_user import ordinary_road_user
 from oodscen.errors import LLMError
 
 _EGO = r"(?:the ego vehicle|the ego car|my car|ego|i|it)"
@@ -195,7 +195,7 @@ class OrdinaryAuthor:
         It mentions no other road users if there are none.
         """
         place = self._recogniser.place(text, hazard.places) if hazard else None
-        road_user = counterpart_of(hazard, text, place)
+        road_user = ordinary_road_user(hazard, text, place)
         if road_user is not None and setting.traffic != _QUIET:
             return road_user.clause
         if hazard is not None and hazard.stage is not None and hazard.stage.removes_hazards:

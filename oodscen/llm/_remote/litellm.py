@@ -142,8 +142,9 @@ class LiteLLM(Brief):
             self.price = self.limits.prices.get(model) or known_price(sdk, self._model)
             """`None` where it is not known."""
         _check_priced(model, self.price, self.limits)
-        is_own_price = model in self.limits.prices
-        self._reader = ResponseReader(sdk, self._model, self.price, is_own_price)
+        self._reader = ResponseReader(
+            sdk, self._model, self.price, is_own_price=model in self.limits.prices
+        )
         self._endpoint = self.limits.endpoint(redact(api_base) if api_base else provider)
         self._without_format: set[str] = set()
         """Purposes of the questions whose answer format the server refuses."""

@@ -9,7 +9,7 @@ from oodscen.author._knowledge.base import Recipe
 from oodscen.author._knowledge.loading import load_knowledge
 from oodscen.author._staging.counterpart_placing import moved_near, placed_counterpart
 from oodscen.author._staging.layout import Cast, Layout
-from oodscen.author._writing.counterpart import Counterpart
+from oodscen.author._writing.ordinary_road_user import OrdinaryRoadUser
 from oodscen.data._scene import Actor, Behaviour, Placement
 from oodscen.prompts._digest import CatalogueDigest
 from oodscen.testing._flat import FlatSimulator
@@ -19,8 +19,8 @@ DIGEST = CatalogueDigest.of(CATALOGUE)
 SPEEDS = st.floats(6.0, 25.0)
 GAPS = st.floats(15.0, 60.0)
 TIMES = st.floats(1.0, 6.0)
-WALKER = Counterpart(("adult",), False, "a person walks along the pavement")
-CAR = Counterpart(("car",), True, "a car drives ahead")
+WALKER = OrdinaryRoadUser(("adult",), False, "a person walks along the pavement")
+CAR = OrdinaryRoadUser(("car",), True, "a car drives ahead")
 
 
 def recipe() -> Recipe:
@@ -74,7 +74,7 @@ def test_a_vehicle_ahead_keeps_its_distance(speed: float, away: float, seconds: 
 
 
 def test_nobody_stands_in_whom_the_catalogue_lacks() -> None:
-    one = Counterpart(("hovercraft",), True, "a hovercraft drives ahead")
+    one = OrdinaryRoadUser(("hovercraft",), True, "a hovercraft drives ahead")
     assert not placed_counterpart(one, staged(10.0), actor("a", 50.0), 3.0)
 
 

@@ -11,7 +11,7 @@ from oodscen.author._reading.claim_extraction import read_claims
 from oodscen.author._reading.recognition import Recogniser
 from oodscen.author._writing.agreement import Agreement, PlaceAndTime
 from oodscen.author._writing.compose import Composer
-from oodscen.author._writing.counterpart import _LARGE, _SMALL
+from oodscen.author._writing.ordinary_road_user import _LARGE, _SMALL
 from oodscen.author._writing.ordinary_twin import OrdinaryAuthor
 from oodscen.prompts._scenario.describe_path import STYLES
 

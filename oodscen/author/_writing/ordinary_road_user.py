@@ -17,7 +17,7 @@ _WALKER_SHARE = 0.55
 """Share of the twins on streets in which someone walks along the pavement."""
 
 
-class Counterpart(NamedTuple):
+class OrdinaryRoadUser(NamedTuple):
     """An ordinary road user that takes the place of a hazard in its twin."""
 
     assets: tuple[str, ...]
@@ -26,18 +26,20 @@ class Counterpart(NamedTuple):
     clause: str
 
 
-_WALKER = Counterpart(("adult",), False, "the lane is free and a person walks along the pavement")
+_WALKER = OrdinaryRoadUser(
+    ("adult",), False, "the lane is free and a person walks along the pavement"
+)
 _CAR, _VAN, _LORRY = (
-    Counterpart((asset,), True, f"a {noun} drives ahead in the lane at an even speed")
+    OrdinaryRoadUser((asset,), True, f"a {noun} drives ahead in the lane at an even speed")
     for noun, asset in (("car", "car"), ("van", "van"), ("lorry", "truck"))
 )
 _LARGE, _SMALL = (_LORRY, _LORRY, _VAN), (_CAR, _CAR, _VAN)
 """Vehicles from which one is drawn in place of a heavy hazard, and of any other."""
 
 
-def counterpart_of(
+def ordinary_road_user(
     hazard: HazardKind | None, text: str, place: RoadKind | None
-) -> Counterpart | None:
+) -> OrdinaryRoadUser | None:
     """Return the road user in place of a hazard that its recipe removes; `None` if there is none."""
     if hazard is None or hazard.stage is None or place is None or not hazard.stage.removes_hazards:
         return None
